@@ -6,3 +6,4 @@ pub mod digits;
 pub mod euler;
 pub mod random_runs;
 pub mod reference;
+pub mod told;

@@ -1,43 +1,11 @@
 //! Slopes of motions, and searches on them, against closed forms, references of 25 digits and more, and difference quotients.
 
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use dalembert::prelude::*;
 use dalembert_models::MODELS;
+use dalembert_tests::told::{near, number, reference, told, written};
 use serde_json::Value;
-
-/// What the program prints as JSON, or what it says is wrong.
-fn told(arguments: &[&str]) -> Result<Value, String> {
-    let mut out = Vec::new();
-    let arguments = ["dalembert"].iter().chain(arguments).chain(&["--json"]);
-    match dalembert::cli::run(MODELS, arguments, &mut out) {
-        Ok(()) => Ok(serde_json::from_slice(&out).expect("JSON")),
-        Err(problem) => Err(problem.to_string()),
-    }
-}
-
-/// A file with this text.
-fn written(text: &str) -> String {
-    static FILES: AtomicUsize = AtomicUsize::new(0);
-    let name = format!("dalembert-find-{}-{}.yaml", std::process::id(), FILES.fetch_add(1, Ordering::Relaxed));
-    let path = std::env::temp_dir().join(name);
-    std::fs::write(&path, text).expect("a file");
-    path.to_str().expect("a path").to_owned()
-}
-
-fn reference(name: &str) -> Value {
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("reference/orbits").join(name);
-    serde_json::from_str(&std::fs::read_to_string(path).expect("a reference")).expect("JSON")
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().or_else(|| value.as_str()?.parse().ok()).unwrap_or(f64::NAN)
-}
-
-fn near(found: f64, expected: f64, error: f64) {
-    assert!((found - expected).abs() <= error, "{found:?} is not {expected:?} within {error:e}");
-}
 
 /// A thrown ball; `drag` is a force.
 fn thrown(drag: &str, until: &str) -> String {
@@ -52,10 +20,10 @@ fn thrown(drag: &str, until: &str) -> String {
 /// Problem 2 e of the course: the best angle, from 45 degrees, at every speed.
 #[test]
 fn a_cannon_ball_flies_farthest_at_the_angle_of_the_reference() {
-    let known = reference("cannon.json");
+    let known = reference("cannon");
     for (law, drag) in [("linear", "-b*velocity(ball)"), ("quadratic", "-c*norm(velocity(ball))*velocity(ball)")] {
         let file = thrown(drag, "1000");
-        for case in known["cannon"][law].as_array().expect("cases") {
+        for case in known[law].as_array().expect("cases") {
             let speed = format!("v0={}", case["v0"].as_str().expect("a speed"));
             let found =
                 told(&["solve", &file, "--set", &speed, "--unknown", "angle=45 deg", "--maximise", "x"]).unwrap();
@@ -96,7 +64,7 @@ fn a_drum_on_ice_hops_softly() {
     let file = drum("");
     let arguments = ["solve", &file, "--unknown", "phi'=15, until=0.6", "--such-that", "phi=3*pi, y'=0"];
     let found = told(&arguments).unwrap();
-    let case = &reference("hop_on_ice.json")["hop_on_ice"]["cases"][0];
+    let case = &reference("hop_on_ice")["cases"][0];
     near(number(&found["values"]["phi'"]["value"]), number(&case["omega_bottom"]), 1e-10);
     let half = number(&case["contact_time"]) + number(&case["flight_time"]);
     near(number(&found["values"]["until"]["value"]), 0.5 * half, 1e-10);
@@ -113,7 +81,7 @@ fn off(found: &Value, expected: f64) -> [f64; 2] {
 #[test]
 fn a_soft_landing_is_a_multiple_root() {
     let file = drum(LANDS);
-    let case = &reference("hop_on_ice.json")["hop_on_ice"]["cases"][0];
+    let case = &reference("hop_on_ice")["cases"][0];
     let landing = 0.5 * number(&case["contact_time"]) + number(&case["flight_time"]);
     for (guess, tolerance) in [("15.1, until=1.1", "1e-12"), ("16, until=1", "1e-12"), ("15.1, until=1.1", "1e-8")] {
         let unknown = format!("phi'={guess}");
@@ -202,7 +170,7 @@ fn a_record_of_a_vibration_gives_its_stiffness_and_damping() {
     let record = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("reference/orbits/ring_down.csv");
     let record = record.to_str().unwrap();
     let found = told(&["solve", &file, "--unknown", "k=39 N/m, c=0.2, x=0.1, x'=0", "--fit", record]).unwrap();
-    let known = &reference("fit.json")["fit"]["ring_down"];
+    let known = &reference("fit")["ring_down"];
     for (name, key) in [("k", "k"), ("c", "c"), ("x", "x0"), ("x'", "v0")] {
         let expected = number(&known["values"][key]);
         near(number(&found["values"][name]["value"]), expected, 1e-9 * expected.abs().max(1.0));
@@ -240,7 +208,7 @@ fn motions_of_the_file_are_found_as_those_of_the_command_line() {
          scene: {start: {phi: 1}, until: 3, tolerance: 1e-12}\n",
     );
     let found = told(&["solve", &hop, "--motion", "hop"]).unwrap();
-    let case = &reference("hop_on_ice.json")["hop_on_ice"]["cases"][0];
+    let case = &reference("hop_on_ice")["cases"][0];
     near(number(&found["values"]["phi'"]["value"]), number(&case["omega_bottom"]), 1e-10);
     let half = number(&case["contact_time"]) + number(&case["flight_time"]);
     near(number(&found["values"]["until"]["value"]), 0.5 * half, 1e-10);
@@ -255,7 +223,7 @@ fn motions_of_the_file_are_found_as_those_of_the_command_line() {
          motions: {best: {unknown: {angle: 40 deg}, maximise: x}, hit: {unknown: {angle: 20 deg}, such_that: {x: 2*far}}}\n\
          scene: {start: {x: 0, y: 0, x': v0*cos(angle), y': v0*sin(angle)}, until: 1000, tolerance: 1e-12}\n";
     let throw = file("throw.yaml", throw);
-    for case in reference("cannon.json")["cannon"]["linear"].as_array().expect("cases") {
+    for case in reference("cannon")["linear"].as_array().expect("cases") {
         let speed = format!("v0={}", case["v0"].as_str().expect("a speed"));
         let found = told(&["solve", &throw, "--motion", "best", "--set", &speed]).unwrap();
         near(number(&found["values"]["angle"]["value"]), number(&case["angle"]), 1e-10);
@@ -277,7 +245,7 @@ fn motions_of_the_file_are_found_as_those_of_the_command_line() {
          motions:\n  ring: {unknown: {k: 39 N/m, c: 0.2 N*s/m, x: 0.1, x': 0}, fit: {file: ring_down.csv, columns: {t: t, x: x}}}\n",
     );
     let found = told(&["solve", &ring, "--motion", "ring"]).unwrap();
-    let known = &reference("fit.json")["fit"]["ring_down"];
+    let known = &reference("fit")["ring_down"];
     for (name, key) in [("k", "k"), ("c", "c"), ("x", "x0"), ("x'", "v0")] {
         let expected = number(&known["values"][key]);
         near(number(&found["values"][name]["value"]), expected, 1e-9 * expected.abs().max(1.0));

@@ -8,7 +8,7 @@ use serde_json::{Value as Json, json};
 use super::Problem;
 use super::json::{number, object};
 use super::load::Loaded;
-use super::orbit::{json_multipliers, listed};
+use super::orbit::{json_multipliers, multipliers};
 use crate::numbers::short;
 use crate::orbit::{Family, Member, OrbitChange, Threshold};
 use crate::run::written;
@@ -19,13 +19,8 @@ pub fn report(loaded: &Loaded, family: &Family, options: &ArgMatches, out: &mut 
         super::json::write(&as_json(loaded, family), out)?;
         return Ok(());
     }
-    let map = match (family.part, family.map.is_empty()) {
-        (1, true) => "the whole period".to_owned(),
-        (1, false) => format!("the whole period; {}", family.map),
-        (part, true) => format!("1/{part} of the period"),
-        (part, false) => format!("1/{part} of the period; {}", family.map),
-    };
-    writeln!(out, "{}: {} motions by `{}`; multipliers of {map}", loaded.name, family.members.len(), family.name)?;
+    let (count, map) = (family.members.len(), family.map_in_words());
+    writeln!(out, "{}: {count} motions by `{}`; multipliers of {map}", loaded.name, family.name)?;
     writeln!(out, "  {:>14}  {:>14}  {:<8}  multipliers", family.name, "period, s", "")?;
     for member in &family.members {
         let grows = member.multipliers.iter().any(|multiplier| multiplier.grows());
@@ -36,7 +31,7 @@ pub fn report(loaded: &Loaded, family: &Family, options: &ArgMatches, out: &mut 
             short(member.value),
             short(member.period),
             if grows { "unstable" } else { "stable" },
-            listed(&rounded)
+            multipliers(&rounded)
         )?;
     }
     for threshold in &family.thresholds {

@@ -202,6 +202,29 @@ pub fn pairs(options: &ArgMatches, option: &str) -> Result<Vec<(String, String)>
     Ok(pairs)
 }
 
+/// What an option lists: it may be given several times, and each time name several with commas between them.
+pub fn listed(options: &ArgMatches, option: &str) -> Vec<String> {
+    let texts = options.get_many::<String>(option).into_iter().flatten();
+    let parts = texts.flat_map(|text| text.split(',')).map(str::trim).filter(|part| !part.is_empty());
+    parts.map(ToOwned::to_owned).collect()
+}
+
+/// The same of `NAME=VALUE`, each name once.
+pub fn listed_pairs(options: &ArgMatches, option: &str) -> Result<Vec<(String, String)>, Problem> {
+    let mut list: Vec<(String, String)> = Vec::new();
+    for part in listed(options, option) {
+        let Some((name, value)) = part.split_once('=') else {
+            return Err(Problem::Usage(format!("error: --{option} wants NAME=VALUE, not `{part}`")));
+        };
+        let name = name.trim();
+        if list.iter().any(|(known, _)| known == name) {
+            return Err(Problem::Usage(format!("error: --{option} gives `{name}` twice")));
+        }
+        list.push((name.to_owned(), value.trim().to_owned()));
+    }
+    Ok(list)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

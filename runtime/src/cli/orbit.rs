@@ -7,9 +7,8 @@ use dalembert_symbolic::model::Sets;
 use serde_json::{Value as Json, json};
 
 use super::json::{number, object};
-use super::load::Loaded;
-use super::set_up::{Reader, motion_index, parameter_index, set_up};
-use super::slopes::origin;
+use super::load::{Loaded, listed, listed_pairs};
+use super::set_up::{Reader, for_search, motion_index, parameter_index};
 use super::{Entry, Problem, families, outputs, value_files};
 use crate::Error;
 use crate::find::Value;
@@ -19,17 +18,8 @@ use crate::run::written;
 
 /// Searches, and prints what was found.
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
-    let mut loaded = Loaded::find(models, options)?;
-    outputs::check(options, &["save", "plot"], &loaded.path)?;
-    let mut settings = set_up(&mut loaded, options)?;
-    if let Some(method) = options.get_one::<String>("method") {
-        settings.method = method.parse().map_err(|e| Problem::Usage(format!("error: {e}")))?;
-    }
-    for warning in &loaded.warnings {
-        eprintln!("warning: {warning}");
-    }
-    let origin = origin(&loaded, options)?;
-    let search = OrbitSearch::of(Ok((loaded.system.boxed_clone(), settings, origin)));
+    let (loaded, run_described) = for_search(models, options, &["save", "plot"])?;
+    let search = OrbitSearch::of(Ok(run_described));
     let search = match motion_index(&loaded, options)? {
         Some(place) => asked(search, &loaded, place)?,
         None => search,
@@ -52,7 +42,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
 fn asked(search: OrbitSearch, loaded: &Loaded, place: usize) -> Result<OrbitSearch, Problem> {
     let motion = &loaded.system.motions()[place];
     match &motion.goal {
-        Goal::Closes(closes) => Ok(search.asking(closes, &loaded.system.motion_numbers(place))),
+        Goal::Closes(closes) => Ok(search.asking(place, closes)),
         _ => Err(Problem::Usage(format!("error: {}", crate::NoOrbit::ClosesNot { motion: motion.name.to_string() }))),
     }
 }
@@ -100,16 +90,16 @@ fn described(mut search: OrbitSearch, loaded: &Loaded, options: &ArgMatches) -> 
     if let Some(event) = options.get_one::<String>("at") {
         search = search.after(event, options.get_one::<u64>("count").map_or(1, |count| *count as usize));
     }
-    for (a, b) in pairs(options, "exchange")? {
+    for (a, b) in listed_pairs(options, "exchange")? {
         search = search.exchanged(&a, &b);
     }
-    for name in names(options, "mirror") {
+    for name in listed(options, "mirror") {
         search = search.mirrored(&name);
     }
-    for name in names(options, "shift") {
+    for name in listed(options, "shift") {
         search = search.shifted(&name);
     }
-    for (name, turns) in pairs(options, "turn")? {
+    for (name, turns) in listed_pairs(options, "turn")? {
         let turns =
             turns.parse().map_err(|_| Problem::Usage(format!("error: --turn {name}={turns} is no number of turns")))?;
         search = search.turned(&name, turns);
@@ -137,22 +127,6 @@ fn described(mut search: OrbitSearch, loaded: &Loaded, options: &ArgMatches) -> 
 /// By how much the coordinate that moves most moves in a mode from which a search begins, SI: small for lengths in metres and for angles.
 const AMPLITUDE: f64 = 1e-3;
 
-/// `A=B` of an option, several in one text with commas between them.
-fn pairs(options: &ArgMatches, option: &str) -> Result<Vec<(String, String)>, Problem> {
-    let list = names(options, option).into_iter().map(|part| match part.split_once('=') {
-        Some((a, b)) => Ok((a.trim().to_owned(), b.trim().to_owned())),
-        None => Err(Problem::Usage(format!("error: --{option} wants A=B, not `{part}`"))),
-    });
-    list.collect()
-}
-
-/// Names of an option, several in one text with commas between them.
-fn names(options: &ArgMatches, option: &str) -> Vec<String> {
-    let texts = options.get_many::<String>(option).into_iter().flatten();
-    let parts = texts.flat_map(|text| text.split(',')).map(str::trim).filter(|part| !part.is_empty());
-    parts.map(ToOwned::to_owned).collect()
-}
-
 fn report(loaded: &Loaded, orbit: &Orbit, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     if let Some(path) = options.get_one::<String>("save") {
         outputs::write(path, &value_files::start_state(&orbit.run, &[]))?;
@@ -179,17 +153,11 @@ fn report(loaded: &Loaded, orbit: &Orbit, options: &ArgMatches, out: &mut dyn Wr
     if orbit.repeats > 1 {
         writeln!(out, "shorter        the motion repeats itself {} times in the period of the guess", orbit.repeats)?;
     }
-    let map = match (orbit.part, orbit.map.is_empty()) {
-        (1, true) => "the whole period".to_owned(),
-        (1, false) => format!("the whole period; {}", orbit.map),
-        (part, true) => format!("1/{part} of the period"),
-        (part, false) => format!("1/{part} of the period; {}", orbit.map),
-    };
-    writeln!(out, "map            {map}")?;
+    writeln!(out, "map            {}", orbit.map_in_words())?;
     let stable = if orbit.is_stable() { "no small change grows" } else { "small changes grow" };
-    writeln!(out, "multipliers    {} ({stable})", listed(&orbit.multipliers))?;
+    writeln!(out, "multipliers    {} ({stable})", multipliers(&orbit.multipliers))?;
     if orbit.part > 1 && !orbit.multipliers.is_empty() {
-        writeln!(out, "  of the whole period {}", listed(&orbit.whole()))?;
+        writeln!(out, "  of the whole period {}", multipliers(&orbit.whole()))?;
     }
     if orbit.superstable > 0 {
         writeln!(out, "  {} of them 0: constraints that come into force take so many freedoms", orbit.superstable)?;
@@ -216,8 +184,8 @@ fn text(value: &Value) -> String {
 }
 
 /// Multipliers with the digits that hold; those that are too small for a number by their logarithm.
-pub(super) fn listed(multipliers: &[Multiplier]) -> String {
-    if multipliers.is_empty() {
+pub(super) fn multipliers(list: &[Multiplier]) -> String {
+    if list.is_empty() {
         return "none".to_owned();
     }
     let one = |multiplier: &Multiplier| {
@@ -233,7 +201,7 @@ pub(super) fn listed(multipliers: &[Multiplier]) -> String {
             }
         }
     };
-    multipliers.iter().map(one).collect::<Vec<_>>().join(", ")
+    list.iter().map(one).collect::<Vec<_>>().join(", ")
 }
 
 fn as_json(loaded: &Loaded, orbit: &Orbit) -> Json {
@@ -259,6 +227,7 @@ fn as_json(loaded: &Loaded, orbit: &Orbit) -> Json {
     ])
 }
 
+/// Multipliers with their errors.
 pub(super) fn json_multipliers(multipliers: &[Multiplier]) -> Json {
     let one = |multiplier: &Multiplier| {
         json!({

@@ -9,9 +9,10 @@ use dalembert_symbolic::{diagnose, file, gate, lower};
 
 use super::arguments::MOTION;
 use super::load::{Loaded, pairs};
-use super::{Problem, value_files};
+use super::{Entry, Problem, outputs, value_files};
 use crate::Settings;
 use crate::mechanism::{Interpreted, System};
+use crate::simulate::{Described, Origin};
 
 /// Applies `--scene`, `--params`, `--set`, `--state`, `--start`, `--input`, `--until`, `--tolerance`, `--every`, `--step`,
 /// `--max-steps` and `--ignore`.
@@ -262,6 +263,36 @@ fn set_input(loaded: &mut Loaded, reader: &mut Reader, name: &str, text: &str) -
         }),
     );
     Ok(())
+}
+
+/// Where the start comes from that the options say.
+pub fn origin(loaded: &Loaded, options: &ArgMatches) -> Result<Origin, Problem> {
+    let n = loaded.system.len();
+    let stated = options.get_one::<String>("state").is_some();
+    let scene = scene_of(loaded, options)?;
+    let mut given = vec![stated; 2 * n];
+    for (name, _) in pairs(options, "start")? {
+        let coordinate = name.strip_suffix('\'');
+        given[coordinate_index(loaded, coordinate.unwrap_or(&name))? + if coordinate.is_some() { n } else { 0 }] = true;
+    }
+    let tolerance = options.get_one::<String>("tolerance").is_some();
+    Ok(Origin { scene: Some(scene).filter(|_| !stated), given, tolerance })
+}
+
+/// What a search begins with: the model, and the run that the options describe; none of the files of these options may be another's.
+pub fn for_search(models: &[Entry], options: &ArgMatches, files: &[&str]) -> Result<(Loaded, Described), Problem> {
+    let mut loaded = Loaded::find(models, options)?;
+    outputs::check(options, files, &loaded.path)?;
+    let mut settings = set_up(&mut loaded, options)?;
+    if let Some(method) = options.get_one::<String>("method") {
+        settings.method = method.parse().map_err(|e| Problem::Usage(format!("error: {e}")))?;
+    }
+    for warning in &loaded.warnings {
+        eprintln!("warning: {warning}");
+    }
+    let origin = origin(&loaded, options)?;
+    let system = loaded.system.boxed_clone();
+    Ok((loaded, (system, settings, origin)))
 }
 
 /// The scene of `--scene`, or that of the motion of `--motion`.

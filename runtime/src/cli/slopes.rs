@@ -8,26 +8,11 @@ use serde_json::{Value, json};
 
 use super::Problem;
 use super::json::{number, object};
-use super::load::{Loaded, pairs};
-use super::set_up::{coordinate_index, scene_of};
+use super::load::Loaded;
+use super::set_up::origin;
 use crate::run::written;
-use crate::simulate::Origin;
 use crate::vary::{run_with_slopes, unknown};
 use crate::{Error, Settings, Slope, Slopes};
-
-/// Where the start comes from that the options say.
-pub fn origin(loaded: &Loaded, options: &ArgMatches) -> Result<Origin, Problem> {
-    let n = loaded.system.len();
-    let stated = options.get_one::<String>("state").is_some();
-    let scene = scene_of(loaded, options)?;
-    let mut given = vec![stated; 2 * n];
-    for (name, _) in pairs(options, "start")? {
-        let coordinate = name.strip_suffix('\'');
-        given[coordinate_index(loaded, coordinate.unwrap_or(&name))? + if coordinate.is_some() { n } else { 0 }] = true;
-    }
-    let tolerance = options.get_one::<String>("tolerance").is_some();
-    Ok(Origin { scene: Some(scene).filter(|_| !stated), given, tolerance })
-}
 
 /// The slopes that `--slopes` asks for; `None` where it is not given.
 pub fn asked(loaded: &mut Loaded, settings: &Settings, options: &ArgMatches) -> Result<Option<Slopes>, Problem> {

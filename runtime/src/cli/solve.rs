@@ -7,9 +7,8 @@ use dalembert_symbolic::model::Sets;
 use serde_json::{Value as Json, json};
 
 use super::json::{number, object};
-use super::load::Loaded;
-use super::set_up::{Reader, coordinate_index, motion_index, parameter_index, set_up};
-use super::slopes::origin;
+use super::load::{Loaded, listed_pairs};
+use super::set_up::{Reader, coordinate_index, for_search, motion_index, parameter_index};
 use super::{Entry, Problem, outputs, value_files};
 use crate::error::{Error, NoSlopes, NotFound};
 use crate::find::{Found, Record, Search, Value};
@@ -17,28 +16,19 @@ use crate::run::{plain, written};
 
 /// Searches, and prints what was found.
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
-    let mut loaded = Loaded::find(models, options)?;
-    outputs::check(options, &["save"], &loaded.path)?;
-    let mut settings = set_up(&mut loaded, options)?;
-    if let Some(method) = options.get_one::<String>("method") {
-        settings.method = method.parse().map_err(|e| Problem::Usage(format!("error: {e}")))?;
-    }
-    for warning in &loaded.warnings {
-        eprintln!("warning: {warning}");
-    }
-    let origin = origin(&loaded, options)?;
+    let (loaded, described) = for_search(models, options, &["save"])?;
     let mut reader = Reader::new(&loaded);
-    let mut search = Search::of(Ok((loaded.system.boxed_clone(), settings, origin)));
+    let mut search = Search::of(Ok(described));
     if let Some(place) = motion_index(&loaded, options)? {
         let numbers = loaded.system.motion_numbers(place);
         let asked = search.asking(place, &loaded.system.motions()[place], numbers);
         search = asked.map_err(|why| Problem::Usage(format!("error: {why}")))?;
     }
-    for (name, text) in listed(options, "unknown")? {
+    for (name, text) in listed_pairs(options, "unknown")? {
         let value = read(&mut reader, &loaded, "unknown", (&name, &text))?;
         search = search.unknown(&name, value);
     }
-    for (name, text) in listed(options, "such-that")? {
+    for (name, text) in listed_pairs(options, "such-that")? {
         let value = read(&mut reader, &loaded, "such-that", (&name, &text))?;
         search = search.such_that(&name, value);
     }
@@ -76,23 +66,6 @@ fn way_out(event: &str) -> String {
 /// What makes a multiple root of a motion that runs back as it came a simple one.
 const HALF: &str =
     "seek half of the motion, as far as the instant at which it reverses itself: there the root is simple";
-
-/// `NAME=VALUE` of an option, several in one text with commas between them.
-fn listed(options: &ArgMatches, option: &str) -> Result<Vec<(String, String)>, Problem> {
-    let texts = options.get_many::<String>(option).into_iter().flatten();
-    let mut list: Vec<(String, String)> = Vec::new();
-    for part in texts.flat_map(|text| text.split(',')).map(str::trim).filter(|part| !part.is_empty()) {
-        let Some((name, value)) = part.split_once('=') else {
-            return Err(Problem::Usage(format!("error: --{option} wants NAME=VALUE, not `{part}`")));
-        };
-        let name = name.trim();
-        if list.iter().any(|(known, _)| known == name) {
-            return Err(Problem::Usage(format!("error: --{option} gives `{name}` twice")));
-        }
-        list.push((name.to_owned(), value.trim().to_owned()));
-    }
-    Ok(list)
-}
 
 /// A value with the unit of what it is of.
 fn read(reader: &mut Reader, loaded: &Loaded, option: &str, (name, text): (&str, &str)) -> Result<f64, Problem> {

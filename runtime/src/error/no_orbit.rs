@@ -67,6 +67,15 @@ pub enum NoOrbit {
         /// How many there are.
         known: usize,
     },
+    /// An energy was asked for, or to vary, of a mechanism that does not keep it.
+    NoEnergy,
+    /// The period that was given is not one of what depends on time.
+    NotThePeriod {
+        /// It, s.
+        period: f64,
+    },
+    /// A family turns so sharply that no step is short enough.
+    TurnsSharply,
     /// No family of such motions can be followed by this.
     NoFamily {
         /// What was to vary.
@@ -129,6 +138,14 @@ impl fmt::Display for NoOrbit {
             NoOrbit::NoMode { mode, known } => {
                 write!(f, "there is no mode {mode} that oscillates; there are {known}")
             }
+            NoOrbit::NoEnergy => {
+                f.write_str("the mechanism does not keep its energy, so that motions have none to ask for")
+            }
+            NoOrbit::NotThePeriod { period } => write!(
+                f,
+                "what depends on time does not repeat itself after {period} s: give a multiple of its period, or none, which finds it"
+            ),
+            NoOrbit::TurnsSharply => f.write_str("the family turns too sharply to be followed"),
             NoOrbit::NoFamily { name } => write!(f, "the motion belongs to no family that can be followed by `{name}`"),
             NoOrbit::NoThreshold { number, known } => {
                 write!(f, "the family has no threshold {number}: there are {known}")

@@ -36,6 +36,7 @@ pub(crate) use locator::{EventLocator, Fired, Interruption, Switched};
 pub(crate) use modes::OwnedSegment;
 #[cfg(feature = "interpret")]
 pub(crate) use modes::{mode as switch_mode, text as switch_text};
+pub(crate) use root::{Around, locate};
 pub(crate) use scan::Crossing;
 pub(crate) use sides::begin_at;
 pub(crate) use signals::WIDTH as CLOSURE_WIDTH;

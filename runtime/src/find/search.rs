@@ -12,7 +12,7 @@ use super::newton::Linearised;
 use super::trial::{Sought, Source, Trial};
 use crate::error::{Error, NoSlopes, NotFound};
 use crate::mechanism::{Extreme, MotionNumbers, System};
-use crate::simulate::{Origin, Settings, Simulation};
+use crate::simulate::{Described, Settings, Simulation};
 use crate::vary::{Unknown, Varied, named, unknown};
 
 /// A search that is being described.
@@ -22,7 +22,7 @@ use crate::vary::{Unknown, Varied, named, unknown};
 /// follow a record.
 #[must_use = "nothing happens before `solve`"]
 pub struct Search {
-    described: Result<(Box<dyn System>, Settings, Origin), Error>,
+    described: Result<Described, Error>,
     pub(super) unknowns: Vec<(String, f64)>,
     pub(super) conditions: Vec<(String, f64)>,
     pub(super) extreme: Option<(String, Extreme)>,
@@ -61,7 +61,7 @@ const IN_A_ROW: usize = 4;
 
 impl Search {
     /// Of a run that was described.
-    pub(crate) fn of(described: Result<(Box<dyn System>, Settings, Origin), Error>) -> Search {
+    pub(crate) fn of(described: Result<Described, Error>) -> Search {
         Search { described, unknowns: Vec::new(), conditions: Vec::new(), extreme: None, record: None, motion: None }
     }
 

@@ -17,8 +17,8 @@ use crate::vary::LOOSER;
 
 /// No piece is to stretch one change by more than this beside another: what is left of sixteen digits is that of its multipliers.
 const SPREAD: f64 = 1e4;
-/// Pieces at most.
-const MOST_LEGS: usize = 512;
+/// No more than twice so many numbers are unknown: their matrices are full.
+const MOST_UNKNOWNS: usize = 500;
 /// A motion that goes this part as far as the guess, or less, is none.
 const SHRUNK: f64 = 1e-6;
 /// A direction lies in a span up to this part of it.
@@ -46,19 +46,6 @@ impl Laps {
         let parameter = self.parameter.and_then(|k| self.system.parameters().get(k).copied()).unwrap_or(0.0);
         let first = run.first();
         let mut starts = vec![[first.q, first.v].concat()];
-        if self.time == Time::Event {
-            // Each lap begins where the one before ends.
-            let mut point = Point { starts, lap, parameter };
-            let begun = run.last();
-            let mut y = [begun.q, begun.v].concat();
-            for k in 1..self.laps * self.legs {
-                if self.closes(k - 1) {
-                    y = self.closing.image(&y);
-                }
-                point.starts.push(y.clone());
-            }
-            return Ok(point);
-        }
         for k in 1..self.legs {
             let t = first.t + lap * k as f64 / self.legs as f64;
             let state = run.at(t).ok_or(NoOrbit::NoGuess { until: run.last().t - first.t })?;
@@ -68,14 +55,38 @@ impl Laps {
     }
 }
 
+impl Laps {
+    /// Starts of all pieces that events end, each where the one before ends, of which the first was run.
+    pub fn in_turn(&mut self, run: &Run) -> Result<Point, Error> {
+        let By::After { event, .. } = self.closing.by else { return self.along(run, 0.0) };
+        let first = run.first();
+        let mut point = Point { starts: vec![[first.q, first.v].concat()], lap: 0.0, parameter: 0.0 };
+        let mut last = run.last();
+        let mut phase = run.phases.last().map_or(self.settings.phase, |(_, phase)| *phase);
+        for k in 1..self.laps * self.legs {
+            let mut y = [last.q, last.v].concat();
+            if self.closes(k - 1) {
+                (y, phase) = (self.closing.image(&y), self.closing.phases[phase]);
+            }
+            point.starts.push(y.clone());
+            let mut settings = Settings { phase, ends_after: Some(event), ..self.settings.clone() };
+            begin_at(&mut settings, y);
+            let next = simulate(&mut *self.system, &settings)?;
+            phase = next.phases.last().map_or(phase, |(_, phase)| *phase);
+            last = next.last();
+        }
+        Ok(point)
+    }
+}
+
 /// Newton's steps from a guess end at this size, by which symmetries are seen, where the smallest map goes on from there.
 const NEAR: f64 = 1e-7;
 
 impl Begun {
     /// The motion near the guess, as exactly as its smallest map is looked for with.
     pub fn first(&mut self) -> Result<Solution, Error> {
-        let least = if self.may_shrink() { NEAR } else { 0.0 };
-        self.laps.solve_to(self.point.clone(), None, least)
+        let point = self.point.clone();
+        if self.may_shrink() { self.laps.solve_to(point, None, NEAR) } else { self.laps.solve(point, None) }
     }
 
     /// Whether the motion may close by a smaller map than the one at hand.
@@ -103,7 +114,7 @@ impl Begun {
             && !self.chosen
             && !self.acts
             && self.laps.time != Time::Event
-            && self.laps.legs < MOST_LEGS
+            && self.laps.unknowns() < MOST_UNKNOWNS
         {
             self.laps.legs *= 2;
             let (run, lap) = self.plain(&solution, 1)?;
@@ -189,10 +200,10 @@ impl Begun {
         };
         let free = self.free(&solution, &found.generators[0]);
         let laps = &mut self.laps;
-        let conservative = found.known.iter().any(|name| name == structure::ENERGY);
+        let conservative = laps.keeps_energy() && found.known.iter().any(|name| name == structure::ENERGY);
         let side = solution.trial.pieces[0].start.clone();
         crate::vary::put(&mut *laps.system, &side);
-        let energy = conservative.then(|| structure::energy(&*laps.system, &side) - self.rest_energy);
+        let energy = conservative.then(|| structure::energy(&*laps.system, &side).0 - self.rest_energy);
         let events = itinerary(&solution.trial.pieces)
             .into_iter()
             .flat_map(|(events, _)| events)
@@ -208,8 +219,8 @@ impl Begun {
             start,
             part,
             map: laps.closing.words(laps.system.description()),
-            multipliers: beside(&found.multipliers, rough_found.as_ref().map(|found| found.multipliers.as_slice())),
-            known: found.known,
+            multipliers: beside(&found, rough_found.as_ref()),
+            known: found.known.clone(),
             superstable: found.lost,
             free,
             energy,

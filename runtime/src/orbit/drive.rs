@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use super::laps::lcm;
 use crate::error::{Error, NoOrbit};
 use crate::mechanism::System;
 
@@ -19,11 +20,23 @@ pub(super) enum Drive {
     None,
     /// It is given, s.
     Given(f64),
-    /// By the frequencies with which time enters the equations.
-    Frequencies,
+    /// So many times that of the frequencies with which time enters the equations, or a part of it.
+    Frequencies(f64),
 }
 
 impl Drive {
+    /// With a period that is given, or with none.
+    ///
+    /// # Errors
+    /// No period where frequencies are not known or have none in common.
+    pub fn of(system: &dyn System, given: Option<f64>) -> Result<Drive, Error> {
+        match (given, common(system)) {
+            (Some(given), Ok(period)) => Ok(Drive::Frequencies(given / period)),
+            (Some(given), Err(_)) => Ok(Drive::Given(given)),
+            (None, period) => period.map(|_| Drive::Frequencies(1.0)),
+        }
+    }
+
     /// The period with the present parameters, s.
     ///
     /// # Errors
@@ -32,22 +45,7 @@ impl Drive {
         match self {
             Drive::None => Ok(0.0),
             Drive::Given(period) => Ok(period),
-            Drive::Frequencies => {
-                let list = frequencies(system)?;
-                let Some(first) = list.first() else { return Err(NoOrbit::NotPeriodic.into()) };
-                let mut times = 1;
-                for other in &list[1..] {
-                    let within = |times: u32| {
-                        let turns = f64::from(times) * other / first;
-                        (turns - turns.round()).abs() <= EXACT * turns && turns.round() >= 1.0
-                    };
-                    let Some(count) = (1..=LARGEST).find(|count| within(*count)) else {
-                        return Err(NoOrbit::Incommensurate { frequencies: [*first, *other] }.into());
-                    };
-                    times = super::laps::lcm(times as usize, count as usize) as u32;
-                }
-                Ok(f64::from(times) * TAU / first)
-            }
+            Drive::Frequencies(times) => Ok(times * common(system)?),
         }
     }
 
@@ -56,9 +54,7 @@ impl Drive {
     /// # Errors
     /// As [`Drive::period`].
     pub fn slope(self, system: &dyn System, parameter: usize) -> Result<f64, Error> {
-        if self != Drive::Frequencies {
-            return Ok(0.0);
-        }
+        let Drive::Frequencies(_) = self else { return Ok(0.0) };
         let period = self.period(system)?;
         let value = system.parameters().get(parameter).copied().unwrap_or(0.0);
         let step = MOVE * if value == 0.0 { 1.0 } else { value.abs() };
@@ -70,6 +66,23 @@ impl Drive {
         let (low, high) = (at(value - step)?, at(value + step)?);
         Ok(-period * 2.0 * (high - low) / (high + low) / (2.0 * step))
     }
+}
+
+/// The shortest time after which all frequencies have gone through whole turns, s.
+fn common(system: &dyn System) -> Result<f64, Error> {
+    let list = frequencies(system)?;
+    let mut times = 1;
+    for other in &list[1..] {
+        let within = |count: &u32| {
+            let turns = f64::from(*count) * other / list[0];
+            (turns - turns.round()).abs() <= EXACT * turns && turns.round() >= 1.0
+        };
+        let Some(count) = (1..=LARGEST).find(within) else {
+            return Err(NoOrbit::Incommensurate { frequencies: [list[0], *other] }.into());
+        };
+        times = lcm(times, count as usize);
+    }
+    Ok(times as f64 * TAU / list[0])
 }
 
 /// The frequencies with which time enters the equations, rad/s, without those that are 0.

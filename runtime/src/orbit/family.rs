@@ -1,10 +1,11 @@
 //! Motions that repeat, as a parameter or their energy varies.
 
-use super::found::Multiplier;
+use super::found::{Multiplier, map_in_words};
 use super::search::OrbitSearch;
 use super::structure;
 use super::walk::{Varied, Walk};
 use crate::error::{Error, NoOrbit};
+use crate::mechanism::System;
 
 /// Motions that repeat, in the order of a walk along them, and where their stability changes.
 #[derive(Clone, Debug)]
@@ -82,6 +83,13 @@ impl OrbitChange {
         }
     }
 }
+impl Family {
+    /// The smallest map that closes its motions, in words.
+    pub fn map_in_words(&self) -> String {
+        map_in_words(self.part, &self.map)
+    }
+}
+
 impl OrbitSearch {
     /// Follows the family of motions that repeat, beginning with the one that is found where what varies has its first value: a parameter, or
     /// `energy` (counted from the equilibrium where the search begins from a mode), whose first value is that of the motion found.  Each of
@@ -92,49 +100,50 @@ impl OrbitSearch {
     /// # Errors
     /// As [`OrbitSearch::find`]; a motion that belongs to no family.
     pub fn vary(mut self, name: &str, values: &[f64], branch: Option<usize>) -> Result<Family, Error> {
-        let (Some(first), Some(last)) = (values.first().copied(), values.last().copied()) else {
+        let Some(first) = values.first().copied() else {
             return Err(NoOrbit::NoFamily { name: name.to_owned() }.into());
         };
         let varied = match &mut self.described {
-            Ok((system, ..)) => {
-                let place = system.description().parameters.iter().position(|parameter| parameter.name == name);
-                match place {
-                    Some(k) => {
-                        system.set_parameter(k, first);
-                        Varied::Parameter(k)
-                    }
-                    None if name == structure::ENERGY => Varied::Energy,
-                    None => {
-                        let parameters = system.description().parameters.iter().map(|p| p.name.to_string());
-                        let known = parameters.chain([structure::ENERGY.to_owned()]).collect();
-                        return Err(Error::UnknownName { kind: "parameter", name: name.to_owned(), known });
-                    }
-                }
-            }
+            Ok((system, ..)) => varied(&mut **system, name, first)?,
             Err(_) => Varied::Energy,
         };
         let mut begun = self.begin()?;
         // The motion itself, by the smallest map that closes it.
         let solution = begun.first()?;
-        let (solution, _) = begun.smallest(solution)?;
-        let mut walk = Walk { begun, varied, nullity: None };
-        if let Varied::Parameter(k) = varied {
-            walk.begun.laps.parameter = Some(k);
+        let mut point = begun.smallest(solution)?.0.point;
+        match varied {
+            Varied::Parameter(k) => (begun.laps.parameter, point.parameter) = (Some(k), first),
+            Varied::Energy if begun.laps.keeps_energy() => begun.laps.condition = None,
+            Varied::Energy => return Err(NoOrbit::NoEnergy.into()),
         }
-        let mut point = solution.point;
-        if let Varied::Parameter(_) = varied {
-            point.parameter = first;
-        }
+        let mut walk = Walk { begun, varied, nullity: None, aside: 0 };
         let start = walk.node(point, None)?;
         walk.nullity = Some(start.solution.linear.free().len());
-        let mut family = walk.along(start, (name, values, (first, last)))?;
-        if let Some(number) = branch {
-            let Some((node, kind)) = number.checked_sub(1).and_then(|k| family.1.get(k)) else {
-                return Err(NoOrbit::NoThreshold { number, known: family.1.len() }.into());
-            };
-            let start = walk.switch(node, *kind)?;
-            family = walk.along(start, (name, values, (first, last)))?;
+        let (family, thresholds) = walk.along(start, name, values);
+        let Some(number) = branch else { return Ok(family) };
+        match number.checked_sub(1).and_then(|k| thresholds.get(k)) {
+            Some((node, kind)) => {
+                let start = walk.switch(node, *kind)?;
+                Ok(walk.along(start, name, values).0)
+            }
+            None => Err(NoOrbit::NoThreshold { number, known: thresholds.len() }.into()),
         }
-        Ok(family.0)
     }
+}
+
+/// What varies, with its first value.
+///
+/// # Errors
+/// [`Error::UnknownName`].
+fn varied(system: &mut dyn System, name: &str, first: f64) -> Result<Varied, Error> {
+    let parameters = &system.description().parameters;
+    if let Some(k) = parameters.iter().position(|parameter| parameter.name == name) {
+        system.set_parameter(k, first);
+        return Ok(Varied::Parameter(k));
+    }
+    if name == structure::ENERGY {
+        return Ok(Varied::Energy);
+    }
+    let known = parameters.iter().map(|parameter| parameter.name.to_string()).chain([structure::ENERGY.to_owned()]);
+    Err(Error::UnknownName { kind: "parameter", name: name.to_owned(), known: known.collect() })
 }

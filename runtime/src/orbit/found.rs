@@ -88,7 +88,18 @@ impl Multiplier {
     }
 }
 
+/// What a map is of, and what it does.
+pub(super) fn map_in_words(part: usize, does: &str) -> String {
+    let of = if part == 1 { "the whole period".to_owned() } else { format!("1/{part} of the period") };
+    if does.is_empty() { of } else { format!("{of}; {does}") }
+}
+
 impl Orbit {
+    /// The smallest map that closes the motion, in words.
+    pub fn map_in_words(&self) -> String {
+        map_in_words(self.part, &self.map)
+    }
+
     /// Whether no small change grows.
     pub fn is_stable(&self) -> bool {
         !self.multipliers.iter().any(|multiplier| multiplier.grows())

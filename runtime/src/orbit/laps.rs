@@ -261,14 +261,16 @@ impl Laps {
         }
     }
 
+    /// Whether the mechanism keeps its energy.
+    pub fn keeps_energy(&self) -> bool {
+        self.drive == Drive::None && self.system.description().structure.conservative
+    }
+
     fn ask_energy(&mut self, wanted: f64, pieces: &[Leg], (r, j): (&mut DVector<f64>, &mut DMatrix<f64>)) {
-        let side = &pieces[0].start;
+        let (side, last) = (&pieces[0].start, r.len() - 1);
         crate::vary::put(&mut *self.system, side);
-        let energy = super::structure::energy(&*self.system, side);
-        let last = r.len() - 1;
-        let gradient = super::structure::gradients(&*self.system, side);
-        let Some(slopes) = gradient.iter().find(|known| known.name == super::structure::ENERGY) else { return };
-        let scaled: Vec<f64> = slopes.direction.iter().zip(&self.scales).map(|(slope, scale)| slope * scale).collect();
+        let (energy, slopes) = super::structure::energy(&*self.system, side);
+        let scaled: Vec<f64> = slopes.iter().zip(&self.scales).map(|(slope, scale)| slope * scale).collect();
         let size = scaled.iter().map(|x| x * x).sum::<f64>().sqrt();
         if size > 0.0 {
             r[last] = (energy - wanted) / size;

@@ -7,7 +7,7 @@
 //! 3. The smallest map that closes it: `smallest.rs`; directions that are known beforehand: `structure.rs`; multipliers of the rest, by the
 //!    periodic QR algorithm: `multipliers.rs`, `stability.rs`.
 //! 4. From the guess to what is told: `begun.rs`; what is found: `found.rs`; families of such motions: `family.rs`, and the walk along them with
-//!    thresholds and branches: `walk.rs`; pictures: `picture.rs`.
+//!    branches: `walk.rs`; where they change: `thresholds.rs`; pictures: `picture.rs`.
 
 mod begun;
 mod closing;
@@ -22,6 +22,7 @@ mod search;
 mod smallest;
 mod stability;
 mod structure;
+mod thresholds;
 mod walk;
 
 pub use family::{Family, Member, OrbitChange, Threshold};

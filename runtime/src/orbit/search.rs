@@ -10,9 +10,9 @@ use super::guess::{first_run, states_of};
 use super::laps::{Condition, Laps, Time};
 use super::{guess, structure};
 use crate::error::{Error, NoOrbit};
-use crate::mechanism::{Action, Closes, ClosesBy, Description, Goal, MotionNumbers, System};
+use crate::mechanism::{Action, Closes, Description, Goal, System};
 use crate::run::{Run, Side};
-use crate::simulate::{Origin, Settings, Simulation};
+use crate::simulate::{Described, Settings, Simulation};
 
 /// A search that is being described: how a motion is to close, and where to look for one.
 ///
@@ -20,9 +20,9 @@ use crate::simulate::{Origin, Settings, Simulation};
 /// its own states again.
 #[must_use = "nothing happens before `find`"]
 pub struct OrbitSearch {
-    pub(super) described: Result<(Box<dyn System>, Settings, Origin), Error>,
+    pub(super) described: Result<Described, Error>,
     period: Option<f64>,
-    part: usize,
+    part: Option<usize>,
     after: Option<(String, usize)>,
     images: Vec<(String, String)>,
     mirrored: Vec<String>,
@@ -31,8 +31,8 @@ pub struct OrbitSearch {
     mode: Option<(usize, f64)>,
     energy: Option<f64>,
     legs: Option<usize>,
-    /// How a motion of the file closes, to which the rest is added.
-    closes: Option<Closes>,
+    /// A motion of the file by its place, and how it closes, to which the rest is added.
+    motion: Option<(usize, Closes)>,
 }
 
 impl<S: System + 'static> Simulation<S> {
@@ -55,9 +55,8 @@ impl<S: System + 'static> Simulation<S> {
             let Goal::Closes(closes) = system.motions()[motion].goal.clone() else {
                 return Err(NoOrbit::ClosesNot { motion: name.to_owned() }.into());
             };
-            let numbers = system.motion_numbers(motion);
             let described = Ok((Box::new(system) as Box<dyn System>, settings, origin));
-            Ok(OrbitSearch::of(described).asking(&closes, &numbers))
+            Ok(OrbitSearch::of(described).asking(motion, &closes))
         });
         begun.unwrap_or_else(|error| OrbitSearch::of(Err(error)))
     }
@@ -70,11 +69,11 @@ const LEGS: usize = 8;
 
 impl OrbitSearch {
     /// Of a run that was described.
-    pub(crate) fn of(described: Result<(Box<dyn System>, Settings, Origin), Error>) -> OrbitSearch {
+    pub(crate) fn of(described: Result<Described, Error>) -> OrbitSearch {
         OrbitSearch {
             described,
             period: None,
-            part: 1,
+            part: None,
             after: None,
             images: Vec::new(),
             mirrored: Vec::new(),
@@ -83,24 +82,13 @@ impl OrbitSearch {
             mode: None,
             energy: None,
             legs: None,
-            closes: None,
+            motion: None,
         }
     }
 
-    /// With what a motion of the file says; its numbers with the present parameters.
-    pub(crate) fn asking(mut self, closes: &Closes, numbers: &MotionNumbers) -> Self {
-        match closes.by {
-            ClosesBy::Part(part) => self.part = part as usize,
-            // The event's name is known where the system is.
-            ClosesBy::Event { .. } => (),
-        }
-        if closes.period {
-            self.period = Some(numbers.period);
-        }
-        if closes.energy {
-            self.energy = Some(numbers.energy);
-        }
-        self.closes = Some(closes.clone());
+    /// With what the motion of this place in the file says; its numbers follow the parameters.
+    pub(crate) fn asking(mut self, place: usize, closes: &Closes) -> Self {
+        self.motion = Some((place, closes.clone()));
         self
     }
 
@@ -112,7 +100,7 @@ impl OrbitSearch {
 
     /// The motion closes after this part of the period, 1/`part`, exchanged and mirrored as is said.
     pub fn part(mut self, part: usize) -> Self {
-        self.part = part.max(1);
+        self.part = Some(part.max(1));
         self
     }
 
@@ -186,14 +174,15 @@ impl OrbitSearch {
         if !origin.tolerance {
             settings.tolerance = settings.tolerance.min(TOLERANCE);
         }
+        if let Some((place, closes)) = &self.motion {
+            let numbers = system.motion_numbers(*place);
+            self.period = self.period.or(closes.period.then_some(numbers.period));
+            self.energy = self.energy.or(closes.energy.then_some(numbers.energy));
+        }
         settings = Settings { every: None, digits: false, apart: false, ..settings };
         // Where nothing is known of time the mechanism was written by hand, or time acts otherwise than by sines.
         let timed = system.frequencies().is_none_or(|list| !list.is_empty());
-        let drive = match (timed, self.period) {
-            (false, _) => Drive::None,
-            (true, Some(period)) => Drive::Given(period),
-            (true, None) => Drive::Frequencies,
-        };
+        let drive = if timed { Drive::of(&*system, self.period)? } else { Drive::None };
         let (mut rest_energy, mut period) = (0.0, self.period);
         if let Some(mode) = self.mode {
             let (y, time, energy) = guess::mode(&*system, &system.equilibrium_guess(), mode)?;
@@ -209,6 +198,13 @@ impl OrbitSearch {
             period = Some(drive.period(&*system)?);
         }
         let (run, scales, lap) = first_run(&mut *system, &mut settings, &closing, (period, timed))?;
+        if timed
+            && Closing::period(system.description())
+                .differs(&*system, &states_of(&run), period.unwrap_or(lap))
+                .is_some()
+        {
+            return Err(NoOrbit::NotThePeriod { period: period.unwrap_or(lap) }.into());
+        }
         may_close(&mut *system, &settings, (&closing, &run), if timed { lap } else { 0.0 })?;
         let acts = run.junctions.iter().any(|junction| !junction.events.is_empty());
         let legs = match closing.by {
@@ -218,7 +214,7 @@ impl OrbitSearch {
         };
         let given = closing != Closing::period(system.description());
         let condition = self.energy.map(|energy| Condition::Energy(energy + rest_energy));
-        let laps = Laps {
+        let mut laps = Laps {
             system,
             settings,
             closing,
@@ -232,15 +228,21 @@ impl OrbitSearch {
             runs: 0,
             steps: 0,
         };
-        let point = laps.along(&run, lap)?;
+        if self.energy.is_some() && !laps.keeps_energy() {
+            return Err(NoOrbit::NoEnergy.into());
+        }
+        let point = if laps.time == Time::Event { laps.in_turn(&run)? } else { laps.along(&run, lap)? };
         Ok(Begun { laps, point, given, acts, rest_energy, repeats: 1, chosen: self.legs.is_some() })
     }
 
     /// How the motion is to close.
     fn closing(&self, description: &Description) -> Result<Closing, Error> {
-        let mut closing = Closing { by: By::Part(self.part), ..Closing::period(description) };
-        if let Some(closes) = &self.closes {
-            closing = Closing::of(closes, description);
+        let mut closing = match &self.motion {
+            Some((_, closes)) => Closing::of(closes, description),
+            None => Closing::period(description),
+        };
+        if let Some(part) = self.part {
+            closing.by = By::Part(part);
         }
         if let Some((event, count)) = &self.after {
             let event = event_index(description, event)?;

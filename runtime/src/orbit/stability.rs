@@ -25,6 +25,12 @@ pub(super) struct Spectrum {
     pub basis: DMatrix<f64>,
     /// The largest ratio of changes that one piece makes of changes that are equally large.
     pub spread: f64,
+    /// By how much a piece stretches a change at most.
+    stretch: f64,
+    /// Of the flow.
+    tolerance: f64,
+    /// How many pieces there are.
+    pieces: usize,
 }
 
 /// What is known at the start of a piece, in units of the scales.
@@ -74,6 +80,7 @@ pub(super) fn spectrum(laps: &mut Laps, trial: &Trial) -> Spectrum {
     }
     let maps: Vec<DMatrix<f64>> = (0..count).map(|k| map(laps, trial, k)).collect();
     let ended = matches!(laps.closing.by, By::After { .. });
+    let tolerance = laps.settings.tolerance;
     let (mut bases, mut known) = (Vec::with_capacity(count), Vec::new());
     let held = |gradient: bool, name: usize| {
         (0..count).all(|k| {
@@ -114,7 +121,9 @@ pub(super) fn spectrum(laps: &mut Laps, trial: &Trial) -> Spectrum {
         }
     }
     let factors = factors(&maps, &bases);
-    let spread = maps.iter().zip(&factors).map(|(map, factor)| spread(map, factor)).fold(1.0, f64::max);
+    let stretches: Vec<f64> = maps.iter().map(|map| map.clone().svd(false, false).singular_values.max()).collect();
+    let spread = stretches.iter().zip(&factors).map(|(most, factor)| most / least(factor)).fold(1.0, f64::max);
+    let stretch = stretches.into_iter().fold(0.0, f64::max);
     let Dimensions { start, most, least } = dimensions(laps, trial);
     let zero = Polar { log: f64::NEG_INFINITY, angle: 0.0 };
     let mut multipliers = multipliers(&factors);
@@ -123,7 +132,7 @@ pub(super) fn spectrum(laps: &mut Laps, trial: &Trial) -> Spectrum {
     let lost = most - least;
     let generators = places.into_iter().map(|place| place.generators).collect();
     let basis = bases.swap_remove(0);
-    Spectrum { multipliers, known, lost, generators, basis, spread }
+    Spectrum { multipliers, known, lost, generators, basis, spread, stretch, tolerance, pieces: count }
 }
 
 /// The same with 1 as the largest length: what is none but for rounding stays so.
@@ -132,14 +141,9 @@ fn alike(columns: Vec<DVector<f64>>) -> Vec<DVector<f64>> {
     columns.into_iter().map(|column| if most > 0.0 { column / most } else { column }).collect()
 }
 
-/// The largest stretch of a map by the least one of those directions whose multipliers are wanted.
-fn spread(map: &DMatrix<f64>, factor: &DMatrix<f64>) -> f64 {
-    if factor.is_empty() {
-        return 1.0;
-    }
-    let [most, least] =
-        [map.clone().svd(false, false).singular_values.max(), factor.clone().svd(false, false).singular_values.min()];
-    if least > 0.0 { most / least } else { f64::INFINITY }
+/// The least stretch of those directions whose multipliers are wanted.
+fn least(factor: &DMatrix<f64>) -> f64 {
+    if factor.is_empty() { f64::INFINITY } else { factor.clone().svd(false, false).singular_values.min() }
 }
 
 /// The maps in bases; as one where the dimensions differ on the way.
@@ -207,8 +211,9 @@ fn dimensions(laps: &Laps, trial: &Trial) -> Dimensions {
     Dimensions { start, most: extreme(usize::max), least: extreme(usize::min) }
 }
 
-/// Multipliers with their errors: how they differ from those of other flows.
-pub(super) fn beside(fine: &[Polar], rough: Option<&[Polar]>) -> Vec<Multiplier> {
+/// Multipliers with their errors: how they differ from those of other flows, and what the largest stretch of a piece, whose changes are known
+/// to the tolerance beside it, leaves of smaller ones.
+pub(super) fn beside(fine: &Spectrum, rough: Option<&Spectrum>) -> Vec<Multiplier> {
     let nearest = |polar: &Polar| {
         let Some(rough) = rough else { return f64::NAN };
         let apart = |other: &Polar| {
@@ -217,9 +222,18 @@ pub(super) fn beside(fine: &[Polar], rough: Option<&[Polar]>) -> Vec<Multiplier>
             }
             (polar.log - other.log).hypot(turn(polar.angle - other.angle))
         };
-        rough.iter().map(apart).fold(f64::INFINITY, f64::min).max(8.0 * f64::EPSILON)
+        rough.multipliers.iter().map(apart).fold(f64::INFINITY, f64::min)
     };
-    fine.iter().map(|polar| Multiplier::of(polar.log, polar.angle, nearest(polar))).collect()
+    let shadowed = |polar: &Polar| match polar.log == f64::NEG_INFINITY {
+        true => 0.0,
+        false => fine.tolerance * fine.stretch / (polar.log / fine.pieces as f64).exp().min(fine.stretch),
+    };
+    let error = |polar: &Polar| nearest(polar).max(shadowed(polar));
+    let of = |polar: &Polar| {
+        let error = if rough.is_none() { f64::NAN } else { error(polar) };
+        Multiplier::of(polar.log, polar.angle, error)
+    };
+    fine.multipliers.iter().map(of).collect()
 }
 
 /// An angle from −π to π.

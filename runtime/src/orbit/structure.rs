@@ -37,24 +37,15 @@ pub(super) fn gradients(system: &dyn System, side: &Side) -> Vec<Known> {
         of(ENERGY, 1);
     }
     description.invariants.iter().for_each(|quantity| of(&quantity.name, quantity.components as usize));
-    let count = names.len();
-    let mut rows = vec![DVector::zeros(2 * n); count];
     let at = At::packed(side.t, &side.y, n);
-    let rest = vec![0.0; n];
-    let lambda = vec![0.0; description.rows.len()];
-    let at = at.accelerated(&rest).constrained(&lambda);
-    for k in 0..2 * n {
-        let mut unit = vec![0.0; 2 * n];
-        unit[k] = 1.0;
-        let along = Along { q: &unit[..n], v: &unit[n..], ..Along::default() };
-        let (mut energies, mut pairs) = ([0.0; 5], vec![0.0; 2 * description.invariant_len()]);
-        system.slopes(Function::Energies, at, &along, &mut energies);
-        system.slopes(Function::Invariants, at, &along, &mut pairs);
-        let energy = conservative.then_some(energies[2]);
-        let all = energy.into_iter().chain(pairs.chunks_exact(2).map(|pair| pair[0]));
-        rows.iter_mut().zip(all).for_each(|(row, slope)| row[k] = slope);
-    }
-    names.into_iter().zip(rows).map(|(name, direction)| Known { name, direction }).collect()
+    let pairs = by_state(system, at, Function::Invariants, 2 * description.invariant_len());
+    let energies = if conservative { energy(system, side).1 } else { vec![0.0; 2 * n] };
+    let own = usize::from(conservative);
+    let of = |place: usize| {
+        let slope = |k: usize| if place < own { energies[k] } else { pairs[k][2 * (place - own)] };
+        DVector::from_iterator(2 * n, (0..2 * n).map(slope))
+    };
+    names.into_iter().enumerate().map(|(place, name)| Known { name, direction: of(place) }).collect()
 }
 
 /// Directions [δq; δq'] that a motion keeps: its own rate, shifts that change nothing, and, without constraints, the motion that each
@@ -257,7 +248,24 @@ pub(super) fn complement(within: &DMatrix<f64>, of: &DMatrix<f64>) -> DMatrix<f6
     if free.is_empty() { DMatrix::zeros(within.nrows(), 0) } else { DMatrix::from_columns(&free) }
 }
 
-/// The Jacobi integral of a state, J.
-pub(super) fn energy(system: &dyn System, side: &Side) -> f64 {
-    system.energy(At::packed(side.t, &side.y, system.len())).jacobi
+/// The Jacobi integral of a state, J, and its slopes by [q; q'].
+pub(super) fn energy(system: &dyn System, side: &Side) -> (f64, Vec<f64>) {
+    let at = At::packed(side.t, &side.y, system.len());
+    let slopes = by_state(system, at, Function::Energies, 5).into_iter().map(|energies| energies[2]);
+    (system.energy(at).jacobi, slopes.collect())
+}
+
+/// The slopes of a function's numbers by each of [q; q'].
+fn by_state(system: &dyn System, at: At<'_>, function: Function, size: usize) -> Vec<Vec<f64>> {
+    let n = system.len();
+    let (rest, lambda) = (vec![0.0; n], vec![0.0; system.description().rows.len()]);
+    let at = at.accelerated(&rest).constrained(&lambda);
+    let of = |k: usize| {
+        let mut unit = vec![0.0; 2 * n];
+        unit[k] = 1.0;
+        let mut slopes = vec![0.0; size];
+        system.slopes(function, at, &Along { q: &unit[..n], v: &unit[n..], ..Along::default() }, &mut slopes);
+        slopes
+    };
+    (0..2 * n).map(of).collect()
 }

@@ -1,33 +1,31 @@
 //! A walk along a family of motions that repeat.
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 
 use super::begun::Begun;
-use super::family::{Family, Member, OrbitChange, Threshold};
+use super::family::{Family, Member, OrbitChange};
 use super::guess::sizes;
 use super::laps::{Condition, Laps, Point, Solution, lcm};
-use super::multipliers::Polar;
 use super::stability::{Spectrum, beside, map, spectrum};
 use super::structure;
 use crate::error::{Error, NoOrbit};
 use crate::run::Names;
-use crate::vary::LOOSER;
 
-/// The way to the next member, in parts of how far motions go, of all their pieces together.
+/// The first step, in parts of how far motions go: curves of most families are straight so far, and others shorten it.
 const FIRST: f64 = 0.02;
+/// A step that is shorter than this does not get on: motions are known to some twelve digits.
 const SHORTEST: f64 = 1e-7;
+/// No member differs from the one before by more than this part of how far it goes, lest pictures of a family have corners.
 const LONGEST: f64 = 0.3;
 /// Steps grow where Newton's method takes so many steps or fewer, and shrink where it takes so many or more.
 const EASY: usize = 3;
 const HARD: usize = 6;
 /// The tangents of two members agree to this cosine, lest a fold be cut short.
 const ALONG: f64 = 0.9;
-/// A range is divided into so many members at least.
+/// A range is divided into so many members at least, so that two thresholds seldom hide between two of them.
 const MEMBERS: f64 = 20.0;
 /// Members at most.
 const MOST: usize = 600;
-/// Trials to find where something happens: the Illinois method takes some ten.
-const TRIALS: usize = 60;
 /// Scales that differ from how far motions go by more than this factor are chosen anew.
 const OTHER: f64 = 2.0;
 /// A null direction of the linearised equations is one of structure where it solves them to this part.
@@ -43,12 +41,12 @@ pub(super) enum Varied {
 /// A member, and which way the family goes there.
 pub(super) struct Node {
     pub solution: Solution,
-    spectrum: Spectrum,
-    value: f64,
+    pub spectrum: Spectrum,
+    pub value: f64,
     /// dvalue/ds.
-    slope: f64,
-    tangent: DVector<f64>,
-    scales: Vec<f64>,
+    pub slope: f64,
+    pub tangent: DVector<f64>,
+    pub scales: Vec<f64>,
 }
 
 /// A walk along a family.
@@ -57,13 +55,15 @@ pub(super) struct Walk {
     pub varied: Varied,
     /// Directions in which nothing changes, along the family included.
     pub nullity: Option<usize>,
+    /// Directions that are left out beside: where another family crosses one more changes nothing.
+    pub aside: usize,
 }
 
 impl Walk {
     /// The member near a guess, and which way the family goes there: as `before` does, or towards larger values.
     pub fn node(&mut self, guess: Point, before: Option<&DVector<f64>>) -> Result<Node, Error> {
         let laps = &mut self.begun.laps;
-        let solution = laps.solve(guess, self.nullity)?;
+        let solution = laps.solve(guess, self.nullity.map(|count| count + self.aside))?;
         let spectrum = spectrum(laps, &solution.trial);
         let free = solution.linear.free().len();
         let mut tangent = self.tangent(&solution, &spectrum, (free, before));
@@ -118,22 +118,17 @@ impl Walk {
                 (solution.point.parameter, tangent[laps.unknowns() - 1] * scale)
             }
             Varied::Energy => {
-                let side = solution.trial.pieces[0].start.clone();
-                crate::vary::put(&mut *laps.system, &side);
-                let energy = structure::energy(&*laps.system, &side) - rest;
-                let gradients = structure::gradients(&*laps.system, &side);
-                let slopes = gradients.iter().find(|known| known.name == structure::ENERGY);
-                let slope = slopes.map_or(0.0, |known| {
-                    let each = known.direction.iter().zip(&laps.scales).zip(tangent.iter());
-                    each.map(|((slope, scale), x)| slope * scale * x).sum()
-                });
-                (energy, slope)
+                let side = &solution.trial.pieces[0].start;
+                crate::vary::put(&mut *laps.system, side);
+                let (energy, slopes) = structure::energy(&*laps.system, side);
+                let slopes = slopes.iter().zip(&laps.scales).zip(tangent.iter());
+                (energy - rest, slopes.map(|((slope, scale), x)| slope * scale * x).sum())
             }
         }
     }
 
     /// The member so far along the tangent of another one.
-    fn step(&mut self, from: &Node, s: f64) -> Result<Node, Error> {
+    pub fn step(&mut self, from: &Node, s: f64) -> Result<Node, Error> {
         self.begun.laps.scales.clone_from(&from.scales);
         let guess = self.begun.laps.moved(&from.solution.point, &from.tangent, s);
         self.node(guess, Some(&from.tangent))
@@ -164,78 +159,55 @@ impl Walk {
         }
     }
 
-    /// Walks from a member through a range.
-    pub fn along(
-        &mut self,
-        start: Node,
-        (name, values, (first, last)): (&str, &[f64], (f64, f64)),
-    ) -> Result<(Family, Vec<(Node, OrbitChange)>), Error> {
-        let (low, high) = (first.min(last), first.max(last));
-        let energy = self.varied == Varied::Energy;
-        let inside = |value: f64| value <= high && (energy || value >= low);
-        let mut node = start;
-        // Towards the other end of the range.
-        if node.slope * (last - first) < 0.0 || energy && node.slope < 0.0 {
-            node.tangent = -node.tangent;
-            node.slope = -node.slope;
-        }
-        let names = Names::of(self.begun.laps.system.description()).columns();
+    /// Walks from a member towards the last of some values, until it has left the range of all, its own included.
+    pub fn along(&mut self, start: Node, name: &str, values: &[f64]) -> (Family, Vec<(Node, OrbitChange)>) {
+        let goal = values.last().copied().unwrap_or(start.value);
+        let all = || values.iter().copied().chain([start.value]);
+        let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
+        let laps = &self.begun.laps;
+        let names = Names::of(laps.system.description()).columns();
         let mut family = Family {
             name: name.to_owned(),
-            names: names[..2 * self.begun.laps.n()].to_vec(),
-            members: vec![self.member(&node, values.contains(&node.value))],
+            names: names[..2 * laps.n()].to_vec(),
+            members: vec![self.member(&start, values.contains(&start.value))],
             thresholds: Vec::new(),
-            part: lcm(self.begun.laps.closing.order(), self.begun.laps.laps) / self.begun.laps.laps,
-            map: self.begun.laps.closing.words(self.begun.laps.system.description()),
+            part: lcm(laps.closing.order(), laps.laps) / laps.laps,
+            map: laps.closing.words(laps.system.description()),
             ended: None,
         };
         let mut changes = Vec::new();
-        let mut h = FIRST * (node.solution.point.starts.len() as f64).sqrt();
-        while family.members.len() < MOST {
-            let longest = (high - low) / MEMBERS;
-            if node.slope.abs() * h > longest {
-                h = longest / node.slope.abs();
-            }
-            h = h.min(LONGEST * (node.solution.point.starts.len() as f64).sqrt());
-            let next = match self.step(&node, h) {
-                Ok(next) if next.tangent.dot(&node.tangent) >= ALONG => next,
-                outcome => {
-                    h *= 0.5;
-                    if h < SHORTEST {
-                        let why =
-                            outcome.err().map_or_else(|| "the family turns sharply".to_owned(), |e| e.to_string());
-                        family.ended = Some(why);
-                        break;
-                    }
-                    continue;
-                }
-            };
-            if self.begun.at_rest(&next.solution).is_err() {
-                family.ended = Some("the motions shrink to an equilibrium".to_owned());
+        let mut node = start;
+        if node.slope * (goal - node.value) < 0.0 {
+            node.tangent = -node.tangent;
+            node.slope = -node.slope;
+        }
+        let size = |node: &Node| (node.solution.point.starts.len() as f64).sqrt();
+        let mut h = FIRST * size(&node);
+        while high > low && (low..=high).contains(&node.value) {
+            if family.members.len() >= MOST {
+                family.ended = Some(format!("after {MOST} motions"));
                 break;
             }
-            for (found, kind) in self.between(&node, &next, h)? {
-                if inside(found.value) {
-                    family.thresholds.push(self.threshold(&node, &found, kind));
-                    changes.push((found, kind));
+            h = h.min(LONGEST * size(&node)).min((high - low) / MEMBERS / node.slope.abs());
+            let passed = match self.next(&node, &mut h) {
+                Ok(next) => {
+                    let found = self.pass(&node, &next, h, (values, [low, high], &mut family));
+                    found.map(|found| changes.extend(found)).map(|()| next)
                 }
-            }
-            let mut asked: Vec<f64> =
-                values.iter().copied().filter(|value| (node.value - value) * (next.value - value) < 0.0).collect();
-            asked.sort_by(|a, b| (a - node.value).abs().total_cmp(&(b - node.value).abs()));
-            for value in asked {
-                let found = self.locate(&node, h, &|node: &Node| node.value - value)?;
-                family.members.push(self.member(&found, true));
-            }
+                Err(why) => Err(why),
+            };
+            let next = match passed {
+                Ok(next) => next,
+                Err(why) => {
+                    family.ended = Some(why.to_string());
+                    break;
+                }
+            };
             let steps = next.solution.steps;
-            let ends = !inside(next.value);
-            if !ends {
+            if (low..=high).contains(&next.value) {
                 family.members.push(self.member(&next, values.contains(&next.value)));
             }
             node = self.rescaled(next);
-            if ends {
-                break;
-            }
             h *= if steps <= EASY {
                 1.6
             } else if steps >= HARD {
@@ -244,77 +216,46 @@ impl Walk {
                 1.0
             };
         }
-        if family.members.len() >= MOST {
-            family.ended = Some(format!("after {MOST} motions"));
-        }
-        Ok((family, changes))
+        (family, changes)
     }
 
-    /// What happens between two members that lie `h` apart.
-    fn between(&mut self, from: &Node, to: &Node, h: f64) -> Result<Vec<(Node, OrbitChange)>, Error> {
-        let mut found = Vec::new();
-        let changes = |f: &dyn Fn(&Node) -> f64| f(from) * f(to) < 0.0;
-        let (turns, ones, minus) = (
-            changes(&|node| node.slope),
-            changes(&|node| product(&node.spectrum.multipliers, 1.0)),
-            changes(&|node| product(&node.spectrum.multipliers, -1.0)),
-        );
-        if turns {
-            found.push((self.locate(from, h, &|node: &Node| node.slope)?, OrbitChange::Fold));
-        } else if ones {
-            found.push((
-                self.locate(from, h, &|node: &Node| product(&node.spectrum.multipliers, 1.0))?,
-                OrbitChange::Branch,
-            ));
+    /// The next member, by a step that is shortened until it leads on.
+    fn next(&mut self, node: &Node, h: &mut f64) -> Result<Node, Error> {
+        loop {
+            let tried = self.step(node, *h).and_then(|next| self.begun.at_rest(&next.solution).map(|()| next));
+            match tried {
+                Ok(next) if next.tangent.dot(&node.tangent) >= ALONG => return Ok(next),
+                Err(error) if *h < SHORTEST => return Err(error),
+                Ok(_) if *h < SHORTEST => return Err(NoOrbit::TurnsSharply.into()),
+                _ => *h *= 0.5,
+            }
         }
-        if minus {
-            found.push((
-                self.locate(from, h, &|node: &Node| product(&node.spectrum.multipliers, -1.0))?,
-                OrbitChange::Doubling,
-            ));
-        }
-        let grows = |node: &Node| pair(&node.spectrum.multipliers);
-        if let (Some(a), Some(b)) = (grows(from), grows(to))
-            && a * b < 0.0
-            && a.abs().max(b.abs()) > CIRCLE
-        {
-            found.push((self.locate(from, h, &|node: &Node| grows(node).unwrap_or(a))?, OrbitChange::Pair));
-        }
-        found.sort_by(|(a, _), (b, _)| (a.value - from.value).abs().total_cmp(&(b.value - from.value).abs()));
-        Ok(found)
     }
 
-    /// Where a function of the members changes its sign, within `h` of one.
-    ///
-    /// Source: the Illinois method, Dowell and Jarratt, BIT 11 (1971) 168.
-    fn locate(&mut self, from: &Node, h: f64, f: &dyn Fn(&Node) -> f64) -> Result<Node, Error> {
-        let (mut a, mut fa) = (0.0, f(from));
-        let end = self.step(from, h)?;
-        let (mut b, mut fb) = (h, f(&end));
-        let mut best = end;
-        for _ in 0..TRIALS {
-            let s = if fb == fa { 0.5 * (a + b) } else { b - fb * (b - a) / (fb - fa) };
-            let node = self.step(from, s)?;
-            let value = f(&node);
-            best = node;
-            if value == 0.0 || (s - b).abs() <= 4.0 * f64::EPSILON * h || (b - a).abs() <= 4.0 * f64::EPSILON * h {
-                break;
-            }
-            if value * fb < 0.0 {
-                (a, fa) = (b, fb);
-            } else {
-                fa *= 0.5;
-            }
-            let moved = (s - b).abs();
-            (b, fb) = (s, value);
-            if moved <= CLOSE * h {
-                break;
-            }
+    /// Takes down what happens between two members that are `h` apart, within a range, and those of the values between them.
+    fn pass(
+        &mut self,
+        from: &Node,
+        to: &Node,
+        h: f64,
+        (values, [low, high], family): (&[f64], [f64; 2], &mut Family),
+    ) -> Result<Vec<(Node, OrbitChange)>, Error> {
+        let mut changes = self.between(from, to, h)?;
+        changes.retain(|(found, _)| (low..=high).contains(&found.value));
+        for (found, kind) in &changes {
+            family.thresholds.push(self.threshold(from, found, *kind));
         }
-        Ok(best)
+        let mut asked: Vec<f64> =
+            values.iter().copied().filter(|value| (from.value - value) * (to.value - value) < 0.0).collect();
+        asked.sort_by(|a, b| (a - from.value).abs().total_cmp(&(b - from.value).abs()));
+        for value in asked {
+            let found = self.locate(from, (h, to), &|node: &Node| node.value - value)?;
+            family.members.push(self.member(&found, true));
+        }
+        Ok(changes)
     }
 
-    fn member(&self, node: &Node, asked: bool) -> Member {
+    pub fn member(&self, node: &Node, asked: bool) -> Member {
         let width = node.scales.len();
         let rows = || node.solution.trial.pieces.iter().flat_map(|piece| piece.run.rows.chunks_exact(width));
         let amplitude = |i: usize| {
@@ -328,33 +269,9 @@ impl Walk {
             period: self.begun.laps.duration(&node.solution.trial),
             start: node.solution.trial.pieces[0].start.y.clone(),
             amplitudes: (0..width).map(amplitude).collect(),
-            multipliers: beside(&node.spectrum.multipliers, None),
+            multipliers: beside(&node.spectrum, None),
             asked,
         }
-    }
-
-    /// A threshold with its error: what a flow at another tolerance makes of the value, and of where along the family it is.
-    fn threshold(&mut self, from: &Node, found: &Node, kind: OrbitChange) -> Threshold {
-        let laps = &mut self.begun.laps;
-        laps.scales.clone_from(&found.scales);
-        let tolerance = laps.settings.tolerance;
-        laps.settings.tolerance = LOOSER * tolerance;
-        let rough = self.node(found.solution.point.clone(), Some(&found.tangent));
-        self.begun.laps.settings.tolerance = tolerance;
-        let measure = |node: &Node| match kind {
-            OrbitChange::Fold => node.slope,
-            OrbitChange::Branch => product(&node.spectrum.multipliers, 1.0),
-            OrbitChange::Doubling => product(&node.spectrum.multipliers, -1.0),
-            OrbitChange::Pair => pair(&node.spectrum.multipliers).unwrap_or(0.0),
-        };
-        let along = (measure(found) - measure(from)) / (found.value - from.value);
-        let error = rough.map_or(f64::NAN, |rough| {
-            let by_value = (rough.value - found.value).abs();
-            let by_place =
-                if kind == OrbitChange::Fold { 0.0 } else { ((measure(&rough) - measure(found)) / along).abs() };
-            by_value + by_place
-        });
-        Threshold { kind, value: found.value, error, member: self.member(found, false) }
     }
 
     /// The first member of the family that leaves at a threshold.
@@ -396,22 +313,6 @@ impl Walk {
         laps.condition = None;
         self.node(found?.point, Some(&along))
     }
-}
-
-/// Pairs whose logarithms are less than this are on the unit circle.
-const CIRCLE: f64 = 1e-7;
-/// A place along a family is found where two trials are no farther apart than this part of the step.
-const CLOSE: f64 = 1e-13;
-
-/// Re Π (μ − x) over all multipliers.
-fn product(multipliers: &[Polar], x: f64) -> f64 {
-    let each = multipliers.iter().map(|polar| Complex::from_polar(polar.log.exp(), polar.angle) - x);
-    each.fold(Complex::new(1.0, 0.0), |all, factor| all * factor).re
-}
-
-/// ln |μ| of the largest pair that is not real.
-fn pair(multipliers: &[Polar]) -> Option<f64> {
-    multipliers.iter().filter(|polar| polar.angle.sin().abs() > CIRCLE).map(|polar| polar.log).max_by(f64::total_cmp)
 }
 
 /// Directions of all unknowns in which structure lets motions move: each known direction along all pieces, with the sign that the maps give it.

@@ -24,6 +24,9 @@ pub struct Simulation<S: System> {
     wrong: Option<Error>,
 }
 
+/// A system, what was said of its run, and where its start comes from.
+pub(crate) type Described = (Box<dyn System>, Settings, Origin);
+
 /// Where a start comes from, and how it changes with parameters.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Origin {

@@ -23,8 +23,8 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Instant;
 
-pub(crate) use builder::Origin;
 pub use builder::Simulation;
+pub(crate) use builder::{Described, Origin};
 #[cfg(feature = "cli")]
 pub(crate) use builder::{LAGRANGE, derivation};
 pub use by_hand::{StateMut, Stepping};

@@ -1,0 +1,129 @@
+//! Where motions of a family change.
+
+use nalgebra::Complex;
+
+use super::family::{OrbitChange, Threshold};
+use super::multipliers::Polar;
+use super::walk::{Node, Walk};
+use crate::error::Error;
+use crate::events::{Around, locate};
+use crate::vary::LOOSER;
+
+/// Pairs whose logarithms are less than this are on the unit circle.
+const CIRCLE: f64 = 1e-7;
+/// Places along a family that are no farther apart than this part of the step are one: motions are known to some twelve digits.
+const SAME: f64 = 1e-13;
+/// Where another family crosses, steps along it are left out within this part of the way between two members: they are as good as free there.
+const CROSSING: f64 = 1e-3;
+/// A motion closes, whose pieces miss each other by no more than so many times the tolerance.
+const CLOSES: f64 = 1e3;
+
+impl OrbitChange {
+    /// A function of members whose sign changes there.
+    fn measure(self, node: &Node) -> f64 {
+        let multipliers = &node.spectrum.multipliers;
+        match self {
+            OrbitChange::Fold => node.slope,
+            OrbitChange::Branch => product(multipliers, 1.0),
+            OrbitChange::Doubling => product(multipliers, -1.0),
+            OrbitChange::Pair => pair(multipliers).unwrap_or(0.0),
+        }
+    }
+
+    /// Whether it happens between two members.
+    fn is_between(self, from: &Node, to: &Node) -> bool {
+        let [a, b] = [from, to].map(|node| self.measure(node));
+        a * b < 0.0 && (self != OrbitChange::Pair || a.abs().max(b.abs()) > CIRCLE)
+    }
+}
+
+impl Walk {
+    /// What happens between two members that are `h` apart, in order.  Where a family turns back a multiplier is 1 as well.
+    pub fn between(&mut self, from: &Node, to: &Node, h: f64) -> Result<Vec<(Node, OrbitChange)>, Error> {
+        let all = [OrbitChange::Fold, OrbitChange::Branch, OrbitChange::Doubling, OrbitChange::Pair];
+        let mut kinds: Vec<OrbitChange> = all.into_iter().filter(|kind| kind.is_between(from, to)).collect();
+        if kinds.contains(&OrbitChange::Fold) {
+            kinds.retain(|kind| *kind != OrbitChange::Branch);
+        }
+        let mut found = Vec::with_capacity(kinds.len());
+        for kind in kinds {
+            let s = self.place(from, [(0.0, kind.measure(from)), (h, kind.measure(to))], &|node| kind.measure(node));
+            let node = match kind {
+                OrbitChange::Branch => self.crossing(from, (s, CROSSING * h))?,
+                _ => self.step(from, s)?,
+            };
+            found.push((node, kind));
+        }
+        found.sort_by(|(a, _), (b, _)| (a.value - from.value).abs().total_cmp(&(b.value - from.value).abs()));
+        Ok(found)
+    }
+
+    /// The member at which a function changes its sign, between one and another `h` away.
+    ///
+    /// # Errors
+    /// Those of members.
+    pub fn locate(&mut self, from: &Node, (h, to): (f64, &Node), f: &dyn Fn(&Node) -> f64) -> Result<Node, Error> {
+        let s = self.place(from, [(0.0, f(from)), (h, f(to))], f);
+        self.step(from, s)
+    }
+
+    /// How far along the tangent of a member a function changes its sign.
+    fn place(&mut self, from: &Node, [a, b]: [(f64, f64); 2], f: &dyn Fn(&Node) -> f64) -> f64 {
+        let resolution = SAME * (b.0 - a.0).abs();
+        let at = |s: f64| self.step(from, s).map_or(f64::NAN, |node| f(&node));
+        locate(at, a, b, Around { resolution, ..Around::bracket(a.0, b.0) }).0
+    }
+
+    /// The member at which another family crosses, near a place that is known roughly: there the steps of Newton's method along the other
+    /// family are noise, and are left out; where that is not so the member is what it is with them.
+    fn crossing(&mut self, from: &Node, (s, near): (f64, f64)) -> Result<Node, Error> {
+        let measure = |node: &Node| OrbitChange::Branch.measure(node);
+        self.aside = 1;
+        let ends = [s - near, s + near].map(|s| Some((s, measure(&self.step(from, s).ok()?))));
+        let exact = match ends {
+            [Some(a), Some(b)] if a.1 * b.1 < 0.0 => {
+                let s = self.place(from, [a, b], &measure);
+                self.step(from, s).ok()
+            }
+            _ => None,
+        };
+        self.aside = 0;
+        let closes = CLOSES * self.begun.laps.settings.tolerance;
+        match exact.filter(|node| node.solution.trial.r.norm() <= closes) {
+            Some(node) => Ok(node),
+            None => self.step(from, s),
+        }
+    }
+
+    /// A threshold with its error: what a flow at another tolerance makes of the value, and of where along the family it is.
+    pub fn threshold(&mut self, from: &Node, found: &Node, kind: OrbitChange) -> Threshold {
+        self.begun.laps.scales.clone_from(&found.scales);
+        let tolerance = self.begun.laps.settings.tolerance;
+        self.begun.laps.settings.tolerance = LOOSER * tolerance;
+        self.aside = usize::from(kind == OrbitChange::Branch);
+        let rough = self.node(found.solution.point.clone(), Some(&found.tangent));
+        self.aside = 0;
+        self.begun.laps.settings.tolerance = tolerance;
+        let along = (kind.measure(found) - kind.measure(from)) / (found.value - from.value);
+        let error = rough.map_or(f64::NAN, |rough| {
+            let moved =
+                if kind == OrbitChange::Fold { 0.0 } else { (kind.measure(&rough) - kind.measure(found)) / along };
+            (rough.value - found.value).abs() + moved.abs()
+        });
+        Threshold { kind, value: found.value, error, member: self.member(found, false) }
+    }
+}
+
+/// Re Π (μ − x)/max(1, |μ|) over all multipliers.
+fn product(multipliers: &[Polar], x: f64) -> f64 {
+    let factor = |polar: &Polar| {
+        let size = polar.log.max(0.0).exp();
+        (Complex::from_polar(polar.log.exp(), polar.angle) - x) / size
+    };
+    multipliers.iter().map(factor).fold(Complex::new(1.0, 0.0), |all, factor| all * factor).re
+}
+
+/// ln |μ| of the largest pair that is not real.
+fn pair(multipliers: &[Polar]) -> Option<f64> {
+    multipliers.iter().filter(|polar| polar.angle.sin().abs() > CIRCLE).map(|polar| polar.log).max_by(f64::total_cmp)
+}
