@@ -32,8 +32,27 @@ impl KktSolver {
         rows
     }
 
-    /// Pivoted Cholesky of S, scaled; the pivots of some rows are chosen last.
-    pub(super) fn choose_rows(&mut self, before: &[f64], last: &[usize]) {
+    /// What the rows in force keep of their largest norms.
+    pub(super) fn lengths(&self) -> Vec<f64> {
+        let norm = |k: usize| {
+            let half = &self.half[k * self.n..][..self.n];
+            weighted(&self.mass, half, half).sqrt()
+        };
+        self.norms.iter().enumerate().map(|(k, largest)| if *largest > 0.0 { norm(k) / largest } else { 0.0 }).collect()
+    }
+
+    /// The least pivot of the first so many rows, or that of the first row that was left out.
+    pub(super) fn distance(&self, usual: usize) -> f64 {
+        let m = self.active.len();
+        if self.rank < usual {
+            return self.weakest;
+        }
+        (0..usual).map(|k| self.schur[k * m + k]).fold(1.0, f64::min)
+    }
+
+    /// Pivoted Cholesky of S, scaled by the largest norms before, or such that rows have these lengths; the pivots of some rows are
+    /// chosen last.
+    pub(super) fn choose_rows(&mut self, before: &[f64], lengths: Option<&[f64]>, last: &[usize]) {
         let (n, m) = (self.n, self.active.len());
         for k in 0..m {
             for l in 0..=k {
@@ -41,8 +60,13 @@ impl KktSolver {
                 self.schur[k * m + l] = s;
                 self.schur[l * m + k] = s;
             }
+            let norm = self.schur[k * m + k].max(0.0).sqrt();
             let largest = before.get(self.active[k]).copied().unwrap_or(0.0);
-            self.norms[k] = largest.max(self.schur[k * m + k].max(0.0).sqrt());
+            self.norms[k] = match lengths.map(|lengths| lengths[k]) {
+                None => largest.max(norm),
+                Some(length) if length > 0.0 => norm / length,
+                Some(_) => 0.0,
+            };
         }
         let scale = |k: usize| if self.norms[k] > 0.0 { 1.0 / self.norms[k] } else { 0.0 };
         for k in 0..m {

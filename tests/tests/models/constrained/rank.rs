@@ -92,3 +92,44 @@ scene: {start: {p: 1, p': 0.5}, guess: {q: 1, r: 1, x: 1.5, y: 0.8}, until: 3, t
     near(last["psi"], 0.0, 1e-10);
     near(last["y"], 2.5_f64.sin(), 1e-9);
 }
+
+/// A bead of 10⁻⁸ kg between two rods: stretched, its constraints look alike to the inertia of the bob, and are two all the same.
+#[test]
+fn light_bodies_between_heavy_ones_are_held() {
+    let text = |m: &str| {
+        format!(
+            "
+name: Bead
+parameters: {{m1: {m} kg, m2: 1 kg, l: 1 m, g: 9.81 m/s^2}}
+coordinates: {{x: m, y: m, u: m, w: m}}
+points: {{A: \"[x, y]\", B: \"[u, w]\"}}
+bodies: {{bead: {{mass: m1, position: A}}, bob: {{mass: m2, position: B}}}}
+gravity: [0, -g]
+constraints: {{rod1: x^2 + y^2 - l^2, rod2: (u - x)^2 + (w - y)^2 - l^2}}
+scene: {{start: {{x: 0, y: -1, u: 0, w: -2, x': 0.5, u': 1}}, until: 0.05, tolerance: 1e-11}}
+"
+        )
+    };
+    let angles = |m: &str| {
+        format!(
+            "
+name: Bead
+parameters: {{m1: {m} kg, m2: 1 kg, l: 1 m, g: 9.81 m/s^2}}
+coordinates: {{a: rad, b: rad}}
+points: {{A: \"l*[sin(a), -cos(a)]\", B: \"A + l*[sin(b), -cos(b)]\"}}
+bodies: {{bead: {{mass: m1, position: A}}, bob: {{mass: m2, position: B}}}}
+gravity: [0, -g]
+outputs: {{x: A.x, u: B.x, w: B.y}}
+scene: {{start: {{a: 0, b: 0, a': 0.5, b': 0.5}}, until: 0.05, tolerance: 1e-11}}
+"
+        )
+    };
+    for m in ["1e-3", "1e-5", "1e-8"] {
+        let (run, other) = (Case::written(&text(m)).run(), Case::written(&angles(m)).run());
+        assert!(run.warnings.is_empty(), "{m}: {:?}", run.warnings);
+        let last = |run: &dalembert::Run, name: &str| *run.column(name).expect("a column").last().expect("a row");
+        for name in ["x", "u", "w"] {
+            near(last(&run, name), last(&other, name), 1e-9);
+        }
+    }
+}
