@@ -134,6 +134,9 @@ fn a_forced_response_turns_back_where_the_reference_says() {
     for (fold, expected) in folds.iter().zip(known["folds"].as_array().unwrap()) {
         near(number(&fold["value"]), number(&expected["omega"]), 1e-11);
     }
+    // Beside the first one the motion goes as far as the free oscillator of that frequency, to first order w² = 1 + 3/4 x².
+    let (w, amplitude) = (number(&folds[0]["value"]), number(&folds[0]["member"]["amplitudes"]["x"]));
+    near(amplitude, ((w * w - 1.0) / 0.75).sqrt(), 0.05);
     assert!(found["members"].as_array().unwrap().len() <= 120);
     let unstable = found["members"].as_array().unwrap().iter().filter(|member| {
         let first = &member["multipliers"][0];
@@ -179,6 +182,67 @@ fn a_compass_walks_down_a_slope() {
     assert!(refused.contains("on2"), "{refused}");
     let refused = told(&[&file, "--at", "strike2", "--exchange", "p=s,on1=on2", "--shift", "p"]).unwrap_err();
     assert!(refused.contains("`p` cannot differ"), "{refused}");
+}
+
+/// The simplest walker (Garcia and others, 1998), of which only the hip has a mass: here with feet of 10⁻¹².
+#[test]
+fn the_simplest_walker_walks_on_feet_of_next_to_no_mass() {
+    let file = written(
+        "name: Walker\nparameters: {m: 1, beta: 1e-12, l: 1, g: 1, slope: 0.009}\n\
+         coordinates: {x: 1, y: 1, p: rad, s: rad}\n\
+         points: {hip: \"[x, y]\", foot1: \"hip + l*[sin(p), -cos(p)]\", foot2: \"hip + l*[sin(s), -cos(s)]\"}\n\
+         bodies: {pelvis: {mass: m, position: hip}, toe1: {mass: beta, position: foot1}, toe2: {mass: beta, position: foot2}}\n\
+         gravity: g*[sin(slope), -cos(slope)]\nconstraints: {hold1: velocity(foot1), hold2: velocity(foot2)}\n\
+         phases: {on1: [hold1], on2: [hold2]}\nevents:\n\
+         \x20 strike2: {phase: on1, when: foot2.y - foot1.y, direction: falling, if: foot2.x - foot1.x - 0.1*l, then: on2}\n\
+         \x20 strike1: {phase: on2, when: foot1.y - foot2.y, direction: falling, if: foot1.x - foot2.x - 0.1*l, then: on1}\n\
+         scene: {start: {x: -0.199, y: 0.98, p: 0.2003, s: -0.2003, \"p'\": -0.19983, \"s'\": -0.184}, until: 10, tolerance: 1e-12}\n",
+    );
+    let known = reference("simplest_walker");
+    let short = ["--start", "p=0.194", "--start", "s=-0.194", "--start", "p'=-0.2039", "--start", "s'=-0.188"];
+    for (place, slope, more) in [(0, "0.009", &[][..]), (1, "0.012", &[]), (2, "0.009", &short)] {
+        let (found, known) = (
+            told(&[&[file.as_str(), "--set", &format!("slope={slope}")][..], &STEP, more].concat()).unwrap(),
+            &known["points"][place],
+        );
+        // The reference has no feet: its numbers are the model's but for some 10⁻¹³.
+        for (name, expected) in [("p", "theta"), ("p'", "thetadot")] {
+            near(number(&found["start"][name]["value"]), number(&known[expected]), 1e-11);
+        }
+        near(number(&found["period"]["value"]), 2.0 * number(&known["step_time"]), 1e-11);
+        multiplied(&found["multipliers"], &known["multipliers"], 1e-9);
+        // At a strike the swinging leg's angle and rate are those of the other: a multiplier is 0.
+        assert_eq!(found["multipliers"].as_array().unwrap().len(), 3, "{found}");
+        assert_eq!(number(&found["multipliers"][2]["re"]), 0.0);
+    }
+    let found = told(&[&[file.as_str()][..], &STEP, &["--vary", "slope=0.0145,0.0152"]].concat()).unwrap();
+    let threshold = &found["thresholds"][0];
+    assert_eq!(threshold["kind"], "doubling");
+    near(number(&threshold["value"]), number(&known["period_doubling"]["slope"]), 1e-10);
+    // Three steps of a gait are three steps, and not one of another.
+    let again = told(&[&[file.as_str(), "--count", "2"][..], &STEP].concat()).unwrap();
+    assert_eq!(again["repeats"], 3);
+    near(number(&again["period"]["value"]), 2.0 * number(&known["points"][0]["step_time"]), 1e-11);
+}
+
+/// Problems of the course, each by a command: 5, a rosette by the half of it, where it reverses itself; 7 c, the eight after a push; 39 b, a
+/// motion of the triple pendulum that repeats, far from small ones.
+#[test]
+fn problems_that_ask_for_periodic_motions_are_commands() {
+    let solve = ["solve", "central_force", "--unknown", "y'=0.36,until=11.6", "--such-that", "y=0,x'=0"];
+    let found = dalembert_tests::told::told(&solve).unwrap();
+    let known = &reference("central_force")["point"];
+    let value = |name: &str| number(&found["values"][name]["value"]);
+    near(value("y'"), number(&known["speed"]), 1e-13);
+    near(2.0 * value("until"), number(&known["period"]), 1e-11);
+    let pushed = ["figure_eight", "--start", "x[1]=-0.96", "--start", "y[3]=0.01", "--period", "6.3"];
+    let found = told(&pushed).unwrap();
+    // An eight of another size: T |E|^1.5 is the same for all of them.
+    let (period, energy) = (number(&found["period"]["value"]), number(&found["energy"]));
+    near(period * energy.abs().powf(1.5), 9.237_681_250_724_55, 1e-10);
+    let found = told(&["triple_pendulum", "--from", "mode 1", "--energy", "1"]).unwrap();
+    near(number(&found["energy"]), 1.0, 1e-10);
+    assert!(number(&found["returns"]) < 1e-9, "{found}");
 }
 
 /// A wheel of eight spokes: the multiplier of a step is cos²(2π/8).
@@ -231,6 +295,43 @@ fn a_shaken_pendulum_stands_upright_from_the_frequency_of_the_reference() {
     assert_eq!(thresholds.len(), 1, "{thresholds:?}");
     let known = &reference("mathieu")["shaken"]["points"][1]["Omega_upright"];
     near(number(&thresholds[0]["value"]), number(known), 1e-10 * number(known));
+}
+
+/// Mathieu's equation: every boundary of every row, a window of 2.5·10⁻⁴ beside columns 0.35 apart included; rows that begin without a drive
+/// do not take its symmetry to the others.
+#[test]
+fn a_map_has_mathieus_tongues() {
+    let file = written(
+        "name: Mathieu\nparameters: {a: 1, q: 1}\ncoordinates: {x: 1}\ninputs: {k: a - 2*q*cos(2*t)}\nkinetic_energy: x'^2/2\n\
+         generalized_forces: {x: -k*x}\nscene: {start: {x: 0}, until: 10, tolerance: 1e-12}\n",
+    );
+    let found = told(&[&file, "--here", "--map", "a=-0.5..10:31,q=0,0.2,1"]).unwrap();
+    let known = reference("mathieu");
+    let boundaries = found["boundaries"].as_array().unwrap();
+    for row in known["characteristic"].as_array().unwrap().iter().take(2) {
+        let q = number(&row["q"]);
+        let points: Vec<&Value> = boundaries.iter().flat_map(|b| b["points"].as_array().unwrap()).collect();
+        let points: Vec<&Value> = points.into_iter().filter(|point| number(&point["y"]) == q).collect();
+        assert_eq!(points.len(), 7, "{q}: {points:?}");
+        for name in ["a0", "b1", "a1", "b2", "a2", "b3", "a3"] {
+            let expected = number(&row[name]);
+            let apart = |point: &&&Value| (number(&point["x"]) - expected).abs();
+            let nearest = points.iter().min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap();
+            near(number(&nearest["x"]), expected, 1e-11);
+            near(number(&nearest["x"]), expected, number(&nearest["error"]));
+        }
+    }
+    // At q = 1, unstable from b1 to a1, stable from a1 to b2.
+    let row = &found["growth"][2];
+    let column = |a: f64| ((a + 0.5) / 0.35).round() as usize;
+    assert!(number(&row[column(0.9)]) > 0.1 && number(&row[column(3.0)]).abs() < 1e-9, "{row}");
+    let refused = told(&[&file, "--map", "a=0..1:3"]).unwrap_err();
+    assert!(refused.contains("two parameters"), "{refused}");
+    let refused = told(&[&file, "--map", "a=0..1:3,x=0..1:3"]).unwrap_err();
+    assert!(refused.contains("`x`"), "{refused}");
+    // A symmetry that is stated must hold for all values.
+    let refused = told(&[&file, "--set", "q=0", "--part", "4", "--mirror", "x", "--vary", "q=0..1"]).unwrap_err();
+    assert!(refused.contains("does not move alike"), "{refused}");
 }
 
 /// Where a held phase is entered a freedom is lost: the multiplier is 0 and nothing else.

@@ -187,12 +187,14 @@ fn orbit() -> Command {
         .arg(value("energy", "VALUE", "The energy of the motion, J; from a mode, counted from the equilibrium"))
         .arg(value("vary", "NAME=A..B", "Follow the family as a parameter or the energy (energy=..B) varies; NAME=A,B,C meets these values on the way").conflicts_with_all(["energy", "save"]))
         .arg(value("branch", "K", "Follow the family that leaves at the K-th threshold of this one").value_parser(clap::value_parser!(u64).range(1..=1000)).requires("vary"))
+        .arg(flag("here", "Begin at rest where the scene starts: rest under a drive"))
+        .arg(value("map", "A=FROM..TO:COUNT,B=FROM..TO:COUNT", "Stability over two parameters with its boundaries; --plot draws the first across").conflicts_with_all(["vary", "energy", "save"]))
         .arg(value("segments", "COUNT", "Pieces into which the map is cut [default: 8 a period, more where changes grow fast]").value_parser(clap::value_parser!(u64).range(1..=512)))
         .arg(value("method", "METHOD", "As of `simulate` [default: auto]"))
         .arg(value("max-steps", "COUNT", "No more steps than these [default: 10000000]").value_parser(clap::value_parser!(u64)))
         .arg(value("state", "FILE", "A state to start from, as --save writes it; --start goes before"))
         .arg(value("save", "FILE", "Write the start that was found: `simulate --state FILE` starts from it"))
-        .arg(picture("plot", "Draw the motion with its multipliers, or with --vary amplitudes and periods of the family"))
+        .arg(picture("plot", "Draw the motion with its multipliers, with --vary amplitudes and periods of the family, with --map where it is unstable"))
         .arg(flag("json", "Print one JSON object"))
 }
 

@@ -38,6 +38,7 @@ mod simulate;
 mod slopes;
 mod solve;
 mod stability;
+mod stability_maps;
 mod sweep;
 mod symmetries;
 mod value_files;

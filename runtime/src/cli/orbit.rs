@@ -9,11 +9,12 @@ use serde_json::{Value as Json, json};
 use super::json::{number, object};
 use super::load::{Loaded, listed, listed_pairs};
 use super::set_up::{Reader, for_search, motion_index, parameter_index};
-use super::{Entry, Problem, families, outputs, value_files};
+use super::sweep::points;
+use super::{Entry, Problem, families, outputs, stability_maps, value_files};
 use crate::Error;
 use crate::find::Value;
 use crate::mechanism::Goal;
-use crate::orbit::{Family, Multiplier, Orbit, OrbitSearch};
+use crate::orbit::{Family, Multiplier, Orbit, OrbitSearch, StabilityMap};
 use crate::run::written;
 
 /// Searches, and prints what was found.
@@ -31,6 +32,13 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
             outputs::draw(path, family.figure())?;
         }
         return families::report(&loaded, &family, options, out);
+    }
+    if let Some(text) = options.get_one::<String>("map") {
+        let map = mapped(search, &loaded, text)?;
+        if let Some(path) = options.get_one::<String>("plot") {
+            outputs::draw(path, map.figure())?;
+        }
+        return stability_maps::report(&loaded, &map, options, out);
     }
     match search.find() {
         Ok(orbit) => report(&loaded, &orbit, options, out),
@@ -67,6 +75,30 @@ fn varied(search: OrbitSearch, loaded: &Loaded, options: &ArgMatches, text: &str
     };
     let branch = options.get_one::<u64>("branch").map(|number| *number as usize);
     search.vary(name, &values, branch).map_err(|error| problem(&error))
+}
+
+/// The stability over the two parameters that `--map` names: `A=FROM..TO:COUNT,B=FROM..TO:COUNT`, or lists.
+fn mapped(search: OrbitSearch, loaded: &Loaded, text: &str) -> Result<StabilityMap, Problem> {
+    let mut axes: Vec<(&str, String)> = Vec::new();
+    for piece in text.split(',') {
+        match (piece.split_once('='), axes.last_mut()) {
+            (Some((name, range)), _) => axes.push((name.trim(), range.to_owned())),
+            (None, Some((_, range))) => *range += &format!(",{piece}"),
+            (None, None) => axes.clear(),
+        }
+    }
+    let [(x, across), (y, up)] = axes.as_slice() else {
+        return Err(Problem::Usage(format!(
+            "error: --map wants two parameters, A=FROM..TO:COUNT,B=FROM..TO:COUNT, not `{text}`"
+        )));
+    };
+    let mut reader = Reader::new(loaded);
+    let mut values = |name: &str, range: &str| {
+        let sets = Sets::Parameter(parameter_index(loaded, name)?);
+        points::values(loaded, &mut reader, ("map", sets), range)
+    };
+    let (across, up) = (values(x, across)?, values(y, up)?);
+    search.map((x, &across), (y, &up)).map_err(|error| problem(&error))
 }
 
 /// What is wrong with a search, or with what it was told.
@@ -114,6 +146,9 @@ fn described(mut search: OrbitSearch, loaded: &Loaded, options: &ArgMatches) -> 
         let amplitude = options.get_one::<String>("amplitude");
         let amplitude = amplitude.map_or(Ok(AMPLITUDE), |text| reader.value(loaded, "amplitude", Sets::Any, text))?;
         search = search.from_mode(mode, amplitude);
+    }
+    if options.get_flag("here") {
+        search = search.at_rest();
     }
     if let Some(text) = options.get_one::<String>("energy") {
         search = search.energy(reader.value(loaded, "energy", Sets::Any, text)?);
@@ -193,6 +228,7 @@ pub(super) fn multipliers(list: &[Multiplier]) -> String {
         let error = if multiplier.error.is_nan() { f64::INFINITY } else { multiplier.error * size };
         match () {
             () if multiplier.log_abs == f64::NEG_INFINITY => "0".to_owned(),
+            () if multiplier.error >= 1.0 => format!("below {}", crate::numbers::short(size + error)),
             () if size < 1e-12 => format!("e^{}", written(multiplier.log_abs, multiplier.error)),
             () if multiplier.im == 0.0 => written(multiplier.re, error),
             () => {

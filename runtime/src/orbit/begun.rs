@@ -2,18 +2,19 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::closing::By;
+use super::closing::{By, Difference};
 use super::found::Orbit;
 use super::guess::begin_at;
-use super::laps::{Laps, Point, Solution, Time, itinerary, lcm};
-use super::smallest;
+use super::laps::{Laps, Point, Solution, TOLD, Time, itinerary, lcm};
+use super::smallest::{self, FOLLOWS};
 use super::stability::{Spectrum, beside, spectrum};
 use super::structure::{self, Known};
 use crate::error::{Error, NoOrbit};
 use crate::find::Value;
+use crate::mechanism::System;
 use crate::run::{Names, Run};
 use crate::simulate::{Settings, simulate};
-use crate::vary::LOOSER;
+use crate::vary::Leg;
 
 /// No piece is to stretch one change by more than this beside another: what is left of sixteen digits is that of its multipliers.
 const SPREAD: f64 = 1e4;
@@ -38,6 +39,8 @@ pub(super) struct Begun {
     pub repeats: usize,
     /// Whether the user chose the number of pieces.
     pub chosen: bool,
+    /// Other values of parameters, by their places, with which the motion is to close in the same way.
+    pub elsewhere: Vec<Vec<(usize, f64)>>,
 }
 
 impl Laps {
@@ -156,14 +159,40 @@ impl Begun {
         Ok((simulate(&mut *self.laps.system, &settings)?, lap))
     }
 
+    /// After how many pieces a motion that events end closes already, where those are fewer than was asked for.
+    fn closes_after(&self, solution: &Solution) -> Option<(usize, usize)> {
+        let laps = &self.laps;
+        let By::After { event, count } = laps.closing.by else { return None };
+        let start = &solution.point.starts[0];
+        let closed = |piece: &Leg| {
+            let image = laps.closing.image(&piece.end.y);
+            let apart = |i: usize| (image[i] - start[i]).abs() / laps.scales[i];
+            let counted = (0..start.len()).filter(|i| !laps.closing.shifts.contains(i));
+            laps.closing.phases[piece.end.phase] == laps.settings.phase
+                && counted.map(apart).fold(0.0, f64::max) <= FOLLOWS
+        };
+        let pieces = solution.trial.pieces.iter().take(count.saturating_sub(1));
+        pieces.enumerate().find(|(_, piece)| closed(piece)).map(|(k, _)| (event, k + 1))
+    }
+
     /// The solution by the smallest map that closes it, to all digits; `None` where that is the one at hand.
     fn reduce(&mut self, solution: &Solution) -> Result<Option<Solution>, Error> {
+        if let Some((event, count)) = self.closes_after(solution) {
+            let before = self.laps.duration(&solution.trial);
+            self.laps.closing.by = By::After { event, count };
+            self.laps.legs = count;
+            let starts = solution.point.starts[..count].to_vec();
+            let smaller = self.laps.solve(Point { starts, ..solution.point.clone() }, None)?;
+            self.repeats = (before / self.laps.duration(&smaller.trial)).round() as usize;
+            return Ok(Some(smaller));
+        }
         if !self.may_shrink() {
             return Ok(None);
         }
         let (run, lap) = self.plain(solution, 1)?;
         let from = self.laps.settings.from;
-        let Some(closing) = smallest::smallest(&*self.laps.system, &run, (from, lap), &self.laps.scales) else {
+        let systems = self.systems(lap)?;
+        let Some(closing) = smallest::smallest(&systems, &run, (from, lap), &self.laps.scales) else {
             return self.laps.solve(solution.point.clone(), None).map(Some);
         };
         let By::Part(part) = closing.by else { return Ok(None) };
@@ -174,15 +203,49 @@ impl Begun {
         self.laps.solve(point, None).map(Some)
     }
 
+    /// The mechanism with its present parameters and with all others, each with its period.
+    fn systems(&self, period: f64) -> Result<Vec<(Box<dyn System>, f64)>, Error> {
+        let laps = &self.laps;
+        let of = |changes: &[(usize, f64)]| {
+            let mut system = laps.system.boxed_clone();
+            changes.iter().for_each(|(place, value)| system.set_parameter(*place, *value));
+            let period = if laps.time == Time::Driven { laps.drive.period(&*system)? } else { period };
+            Ok((system, period))
+        };
+        std::iter::once(&Vec::new()).chain(&self.elsewhere).map(|changes| of(changes)).collect()
+    }
+
+    /// Refuses a closing that was asked for, where the mechanism does not allow it with other parameters.
+    ///
+    /// # Errors
+    /// [`NoOrbit::NoSymmetry`].
+    pub fn closes_elsewhere(&self) -> Result<(), Error> {
+        let laps = &self.laps;
+        if laps.closing.is_plain() {
+            return Ok(());
+        }
+        let phase = laps.settings.phase;
+        let states: Vec<_> = self.point.starts.iter().map(|y| (laps.settings.from, y.clone(), phase)).collect();
+        for (system, period) in self.systems(self.point.lap)? {
+            let later = match laps.closing.by {
+                By::Part(part) if laps.time == Time::Driven => period / part as f64,
+                _ => 0.0,
+            };
+            if let Some(Difference { coordinate, here, there }) = laps.closing.differs(&*system, &states, later) {
+                return Err(NoOrbit::NoSymmetry { coordinate, here, there }.into());
+            }
+        }
+        Ok(())
+    }
+
     pub fn told(&mut self, solution: Solution, found: Spectrum) -> Result<Orbit, Error> {
         let laps = &mut self.laps;
-        let looser = LOOSER * laps.settings.tolerance;
-        let rough = laps.try_at(&solution.point, looser).ok();
+        let finer = laps.try_finer(&solution).ok();
         let moved =
-            rough.as_ref().map(|rough| solution.linear.step(&rough.r) - solution.linear.step(&solution.trial.r));
-        let rough_found = rough.as_ref().map(|rough| spectrum(laps, rough));
+            finer.as_ref().map(|finer| solution.linear.step(&finer.r) - solution.linear.step(&solution.trial.r));
+        let finer_found = finer.as_ref().map(|finer| spectrum(laps, finer));
         let width = 2 * laps.n();
-        let error = |i: usize| moved.as_ref().map_or(f64::NAN, |moved| moved[i].abs() + solution.last);
+        let error = |i: usize| moved.as_ref().map_or(f64::NAN, |moved| TOLD * moved[i].abs() + solution.last);
         let names = Names::of(laps.system.description()).columns();
         let start = solution.trial.pieces[0].start.y.iter().enumerate().map(|(i, value)| Value {
             name: names[i].clone(),
@@ -194,9 +257,9 @@ impl Begun {
         let period_error = match laps.time {
             Time::Free => error(width * solution.point.starts.len()) * duration,
             Time::Driven => 4.0 * f64::EPSILON * duration,
-            Time::Event => rough
+            Time::Event => finer
                 .as_ref()
-                .map_or(f64::NAN, |rough| (laps.duration(rough) - duration).abs() + solution.last * duration),
+                .map_or(f64::NAN, |finer| TOLD * (laps.duration(finer) - duration).abs() + solution.last * duration),
         };
         let free = self.free(&solution, &found.generators[0]);
         let laps = &mut self.laps;
@@ -219,7 +282,7 @@ impl Begun {
             start,
             part,
             map: laps.closing.words(laps.system.description()),
-            multipliers: beside(&found, rough_found.as_ref()),
+            multipliers: beside(&found, finer_found.as_ref()),
             known: found.known.clone(),
             superstable: found.lost,
             free,

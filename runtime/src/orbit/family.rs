@@ -7,6 +7,9 @@ use super::walk::{Varied, Walk};
 use crate::error::{Error, NoOrbit};
 use crate::mechanism::System;
 
+/// The golden section, the least simple fraction.
+const BETWEEN: f64 = 0.618_033_988_749_894_8;
+
 /// Motions that repeat, in the order of a walk along them, and where their stability changes.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
@@ -53,7 +56,7 @@ pub struct Threshold {
     pub kind: OrbitChange,
     /// The value at which it does, and its error.
     pub value: f64,
-    /// The difference that flows at sixteen times the tolerance make.
+    /// Twice the difference that more accurate flows make.
     pub error: f64,
     /// The motion there.
     pub member: Member,
@@ -108,7 +111,11 @@ impl OrbitSearch {
             Err(_) => Varied::Energy,
         };
         let mut begun = self.begin()?;
-        // The motion itself, by the smallest map that closes it.
+        if let Varied::Parameter(k) = varied {
+            begun.elsewhere = sampled(values).map(|value| vec![(k, value)]).collect();
+            begun.closes_elsewhere()?;
+        }
+        // The motion itself, by the smallest map that closes it and others.
         let solution = begun.first()?;
         let mut point = begun.smallest(solution)?.0.point;
         match varied {
@@ -129,6 +136,13 @@ impl OrbitSearch {
             None => Err(NoOrbit::NoThreshold { number, known: thresholds.len() }.into()),
         }
     }
+}
+
+/// Values of a range with which symmetries are asked for: those that are given, and one between the ends that is no simple fraction, since
+/// symmetries hold everywhere or in places.
+pub(super) fn sampled(values: &[f64]) -> impl Iterator<Item = f64> + '_ {
+    let between = values.first().zip(values.last()).map(|(first, last)| first + BETWEEN * (last - first));
+    values.iter().copied().chain(between)
 }
 
 /// What varies, with its first value.

@@ -54,7 +54,7 @@ pub struct Multiplier {
     pub log_abs: f64,
     /// arg μ, rad.
     pub angle: f64,
-    /// How far it may be off, as a part of |μ|: the difference to flows at sixteen times the tolerance.
+    /// How far it may be off, as a part of |μ|: twice the difference to more accurate flows.
     pub error: f64,
 }
 

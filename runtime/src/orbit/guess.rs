@@ -71,8 +71,8 @@ fn vertex([before, here, after]: [f64; 3]) -> f64 {
     if curvature > 0.0 { (0.5 * (before - after) / curvature).clamp(-0.5, 0.5) } else { 0.0 }
 }
 
-/// A state at rest, displaced from the equilibrium along a mode so that the coordinate that moves most moves by this amplitude; the period of
-/// small motions, and the energy of the equilibrium.
+/// A state at rest, displaced from the equilibrium along a mode so that the coordinate that moves most moves by this amplitude, or by as much
+/// as gives it an energy if it grows like the square of the amplitude; the period of small motions, and the energy of the equilibrium.
 ///
 /// # Errors
 /// No equilibrium, no such mode.
@@ -80,6 +80,7 @@ pub(super) fn mode(
     system: &dyn System,
     near: &[f64],
     (number, amplitude): (usize, f64),
+    wanted: Option<f64>,
 ) -> Result<(Vec<f64>, f64, f64), Error> {
     let equilibrium = equilibrium_near(system, &Guess::at(near)).map_err(Error::from)?;
     let linear = linearise(system, &equilibrium).map_err(Error::from)?;
@@ -88,10 +89,15 @@ pub(super) fn mode(
     let Some(mode) = mode else { return Err(NoOrbit::NoMode { mode: number, known: modes.len() }.into()) };
     let shape = mode.real_shape();
     let largest = shape.iter().fold(0.0_f64, |most, x| if x.abs() > most.abs() { *x } else { most });
-    let q: Vec<f64> = equilibrium.q.iter().zip(&shape).map(|(q, x)| q + amplitude * x / largest).collect();
-    let rest = vec![0.0; q.len()];
-    let energy = system.energy(crate::mechanism::At::new(0.0, &equilibrium.q, &rest)).jacobi;
-    Ok(([q, rest].concat(), std::f64::consts::TAU / mode.omega, energy))
+    let displaced = |amplitude: f64| -> Vec<f64> {
+        equilibrium.q.iter().zip(&shape).map(|(q, x)| q + amplitude * x / largest).collect()
+    };
+    let rest = vec![0.0; shape.len()];
+    let energy = |q: &[f64]| system.energy(crate::mechanism::At::new(0.0, q, &rest)).jacobi;
+    let least = energy(&equilibrium.q);
+    let grown = wanted.map(|wanted| (wanted / (energy(&displaced(amplitude)) - least)).sqrt());
+    let factor = grown.filter(|factor| factor.is_finite() && *factor > 0.0).unwrap_or(1.0);
+    Ok(([displaced(factor * amplitude), rest].concat(), std::f64::consts::TAU / mode.omega, least))
 }
 
 /// A run along the guess, the sizes of [q; q'], and how long a lap takes; the settings begin where it does.

@@ -7,7 +7,8 @@
 //! 3. The smallest map that closes it: `smallest.rs`; directions that are known beforehand: `structure.rs`; multipliers of the rest, by the
 //!    periodic QR algorithm: `multipliers.rs`, `stability.rs`.
 //! 4. From the guess to what is told: `begun.rs`; what is found: `found.rs`; families of such motions: `family.rs`, and the walk along them with
-//!    branches: `walk.rs`; where they change: `thresholds.rs`; pictures: `picture.rs`.
+//!    branches: `walk.rs`; where they change: `thresholds.rs`; stability over two parameters:
+//!    `stability_map.rs`; pictures: `picture.rs`.
 
 mod begun;
 mod closing;
@@ -21,6 +22,7 @@ mod picture;
 mod search;
 mod smallest;
 mod stability;
+mod stability_map;
 mod structure;
 mod thresholds;
 mod walk;
@@ -28,3 +30,4 @@ mod walk;
 pub use family::{Family, Member, OrbitChange, Threshold};
 pub use found::{Multiplier, Orbit};
 pub use search::OrbitSearch;
+pub use stability_map::{Boundary, BoundaryPoint, StabilityMap};

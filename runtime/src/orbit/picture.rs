@@ -2,6 +2,7 @@
 
 use super::family::{Family, Member};
 use super::found::{Multiplier, Orbit};
+use super::stability_map::{Boundary, StabilityMap};
 use crate::linear::short;
 use crate::show::{Axis, Chart, Figure, Series, Style};
 
@@ -71,5 +72,66 @@ impl Family {
             chart = chart.with(mark.coloured(2 + k));
         }
         chart
+    }
+}
+
+impl StabilityMap {
+    /// Where small changes grow as filled areas, and the boundaries, a colour for each kind.
+    pub fn figure(&self) -> Figure {
+        let [x, y] = &self.names;
+        let mut chart = Chart::new("", Axis::new(x.as_str(), ""), Axis::new(y.as_str(), ""));
+        chart = chart.with(Series::areas("unstable", self.unstable()).coloured(1));
+        let mut named = Vec::new();
+        for boundary in &self.boundaries {
+            let kind = boundary.kind;
+            let new = !named.contains(&kind);
+            if new {
+                named.push(kind);
+            }
+            let name = if new { kind.word() } else { "" };
+            let place = named.iter().position(|other| *other == kind).unwrap_or(0);
+            chart = chart.with(boundary.series(name).coloured(2 + place));
+        }
+        Figure::from(chart)
+    }
+
+    /// Corners of strips in which small changes grow: each row halfway to its neighbours, from boundary to boundary.
+    fn unstable(&self) -> Vec<Option<(f64, f64)>> {
+        let [xs, ys] = &self.values;
+        let halfway = |values: &[f64], k: usize, next: bool| match (next, k.checked_sub(1), values.get(k + 1)) {
+            (true, _, Some(other)) => 0.5 * (values[k] + other),
+            (false, Some(before), _) => 0.5 * (values[k] + values[before]),
+            _ => values[k],
+        };
+        let mut corners = Vec::new();
+        for (row, y) in ys.iter().enumerate() {
+            let [low, high] = [false, true].map(|next| halfway(ys, row, next));
+            for column in (0..xs.len()).filter(|column| self.is_unstable(*column, row) == Some(true)) {
+                let edge = |next: bool| {
+                    let plain = halfway(xs, column, next);
+                    let other = if next { xs.get(column + 1) } else { column.checked_sub(1).map(|k| &xs[k]) };
+                    let Some(other) = other else { return plain };
+                    let within = self
+                        .boundaries
+                        .iter()
+                        .flat_map(|boundary| &boundary.points)
+                        .filter(|point| point.y == *y && (point.x - xs[column]) * (point.x - other) <= 0.0);
+                    within
+                        .map(|point| point.x)
+                        .min_by(|a, b| (a - xs[column]).abs().total_cmp(&(b - xs[column]).abs()))
+                        .unwrap_or(plain)
+                };
+                let [left, right] = [edge(false), edge(true)];
+                corners.extend([(left, low), (right, low), (right, high), (left, high)].map(Some));
+                corners.push(None);
+            }
+        }
+        corners
+    }
+}
+
+impl Boundary {
+    fn series(&self, name: &str) -> Series {
+        Series::line(name, self.points.iter().map(|point| Some((point.x, point.y))))
     }
 }

@@ -29,6 +29,7 @@ pub struct OrbitSearch {
     shifted: Vec<String>,
     turned: Vec<(String, f64)>,
     mode: Option<(usize, f64)>,
+    rest: bool,
     energy: Option<f64>,
     legs: Option<usize>,
     /// A motion of the file by its place, and how it closes, to which the rest is added.
@@ -80,6 +81,7 @@ impl OrbitSearch {
             shifted: Vec::new(),
             turned: Vec::new(),
             mode: None,
+            rest: false,
             energy: None,
             legs: None,
             motion: None,
@@ -142,6 +144,12 @@ impl OrbitSearch {
         self
     }
 
+    /// Begins with all speeds 0 where the scene starts: rest under a drive.
+    pub fn at_rest(mut self) -> Self {
+        self.rest = true;
+        self
+    }
+
     /// The energy of the motion, J: the Jacobi integral, counted from the equilibrium where the search begins from a mode.
     pub fn energy(mut self, energy: f64) -> Self {
         self.energy = Some(energy);
@@ -180,12 +188,16 @@ impl OrbitSearch {
             self.energy = self.energy.or(closes.energy.then_some(numbers.energy));
         }
         settings = Settings { every: None, digits: false, apart: false, ..settings };
+        if self.rest {
+            let start = [settings.q.clone(), vec![0.0; settings.q.len()]].concat();
+            guess::begin_at(&mut settings, start);
+        }
         // Where nothing is known of time the mechanism was written by hand, or time acts otherwise than by sines.
         let timed = system.frequencies().is_none_or(|list| !list.is_empty());
         let drive = if timed { Drive::of(&*system, self.period)? } else { Drive::None };
         let (mut rest_energy, mut period) = (0.0, self.period);
         if let Some(mode) = self.mode {
-            let (y, time, energy) = guess::mode(&*system, &system.equilibrium_guess(), mode)?;
+            let (y, time, energy) = guess::mode(&*system, &system.equilibrium_guess(), mode, self.energy)?;
             guess::begin_at(&mut settings, y);
             (rest_energy, period) = (energy, period.or(Some(time)));
         }
@@ -232,7 +244,16 @@ impl OrbitSearch {
             return Err(NoOrbit::NoEnergy.into());
         }
         let point = if laps.time == Time::Event { laps.in_turn(&run)? } else { laps.along(&run, lap)? };
-        Ok(Begun { laps, point, given, acts, rest_energy, repeats: 1, chosen: self.legs.is_some() })
+        Ok(Begun {
+            laps,
+            point,
+            given,
+            acts,
+            rest_energy,
+            repeats: 1,
+            chosen: self.legs.is_some(),
+            elsewhere: Vec::new(),
+        })
     }
 
     /// How the motion is to close.

@@ -9,19 +9,27 @@ const PARTS: usize = 12;
 /// Coordinates follow each other at so many times of a period.
 const TIMES: usize = 24;
 /// Coordinates that follow each other to this part of how far they go are one another's images.
-const FOLLOWS: f64 = 1e-6;
+pub(super) const FOLLOWS: f64 = 1e-6;
 
 /// The map of the smallest part of the period after which coordinates follow each other, exchanged or mirrored, where the mechanism moves
-/// alike from a state and from its image; `None` where there is none but that of the whole period.
-pub(super) fn smallest(system: &dyn System, run: &Run, (from, period): (f64, f64), scales: &[f64]) -> Option<Closing> {
+/// alike from a state and from its image: with its present parameters, and with all others for which it is asked, each with its period.
+/// `None` where there is none but that of the whole period.
+pub(super) fn smallest(
+    systems: &[(Box<dyn System>, f64)],
+    run: &Run,
+    (from, period): (f64, f64),
+    scales: &[f64],
+) -> Option<Closing> {
+    let states: Vec<(f64, Vec<f64>, usize)> = (0..TIMES)
+        .filter_map(|k| run.at(from + k as f64 / TIMES as f64 * period))
+        .map(|state| (state.t, [state.q, state.v].concat(), 0))
+        .collect();
     (2..=PARTS).rev().find_map(|part| {
-        let later = period / part as f64;
-        let closing = followed(system, run, (from, period, part), scales)?;
-        let states: Vec<(f64, Vec<f64>, usize)> = (0..TIMES)
-            .filter_map(|k| run.at(from + k as f64 / TIMES as f64 * period))
-            .map(|state| (state.t, [state.q, state.v].concat(), 0))
-            .collect();
-        closing.differs(system, &states, later).is_none().then_some(closing)
+        let closing = followed(&*systems.first()?.0, run, (from, period, part), scales)?;
+        let differs = |(system, period): &(Box<dyn System>, f64)| {
+            closing.differs(&**system, &states, period / part as f64).is_some()
+        };
+        (!systems.iter().any(differs)).then_some(closing)
     })
 }
 

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::closing::By;
 use super::found::Multiplier;
-use super::laps::{Laps, Time, Trial};
+use super::laps::{Laps, TOLD, Time, Trial};
 use super::multipliers::{Polar, multipliers};
 use super::structure::{self, Known};
 use crate::vary::put;
@@ -211,29 +211,29 @@ fn dimensions(laps: &Laps, trial: &Trial) -> Dimensions {
     Dimensions { start, most: extreme(usize::max), least: extreme(usize::min) }
 }
 
-/// Multipliers with their errors: how they differ from those of other flows, and what the largest stretch of a piece, whose changes are known
+/// Multipliers with their errors: how they differ from those of more accurate flows, and what the largest stretch of a piece, whose changes are known
 /// to the tolerance beside it, leaves of smaller ones.
-pub(super) fn beside(fine: &Spectrum, rough: Option<&Spectrum>) -> Vec<Multiplier> {
+pub(super) fn beside(found: &Spectrum, finer: Option<&Spectrum>) -> Vec<Multiplier> {
     let nearest = |polar: &Polar| {
-        let Some(rough) = rough else { return f64::NAN };
+        let Some(finer) = finer else { return f64::NAN };
         let apart = |other: &Polar| {
             if polar.log == f64::NEG_INFINITY && other.log == f64::NEG_INFINITY {
                 return 0.0;
             }
             (polar.log - other.log).hypot(turn(polar.angle - other.angle))
         };
-        rough.multipliers.iter().map(apart).fold(f64::INFINITY, f64::min)
+        TOLD * finer.multipliers.iter().map(apart).fold(f64::INFINITY, f64::min)
     };
     let shadowed = |polar: &Polar| match polar.log == f64::NEG_INFINITY {
         true => 0.0,
-        false => fine.tolerance * fine.stretch / (polar.log / fine.pieces as f64).exp().min(fine.stretch),
+        false => found.tolerance * found.stretch / (polar.log / found.pieces as f64).exp().min(found.stretch),
     };
     let error = |polar: &Polar| nearest(polar).max(shadowed(polar));
     let of = |polar: &Polar| {
-        let error = if rough.is_none() { f64::NAN } else { error(polar) };
+        let error = if finer.is_none() { f64::NAN } else { error(polar) };
         Multiplier::of(polar.log, polar.angle, error)
     };
-    fine.multipliers.iter().map(of).collect()
+    found.multipliers.iter().map(of).collect()
 }
 
 /// An angle from −π to π.

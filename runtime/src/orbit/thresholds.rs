@@ -3,16 +3,16 @@
 use nalgebra::Complex;
 
 use super::family::{OrbitChange, Threshold};
+use super::laps::TOLD;
 use super::multipliers::Polar;
 use super::walk::{Node, Walk};
 use crate::error::Error;
 use crate::events::{Around, locate};
-use crate::vary::LOOSER;
 
 /// Pairs whose logarithms are less than this are on the unit circle.
 const CIRCLE: f64 = 1e-7;
 /// Places along a family that are no farther apart than this part of the step are one: motions are known to some twelve digits.
-const SAME: f64 = 1e-13;
+pub(super) const SAME: f64 = 1e-13;
 /// Where another family crosses, steps along it are left out within this part of the way between two members: they are as good as free there.
 const CROSSING: f64 = 1e-3;
 /// A motion closes, whose pieces miss each other by no more than so many times the tolerance.
@@ -21,18 +21,20 @@ const CLOSES: f64 = 1e3;
 impl OrbitChange {
     /// A function of members whose sign changes there.
     fn measure(self, node: &Node) -> f64 {
-        let multipliers = &node.spectrum.multipliers;
+        if self == OrbitChange::Fold { node.slope } else { self.of_multipliers(&node.spectrum.multipliers) }
+    }
+
+    /// The same for what multipliers tell alone: all but folds.
+    pub(super) fn of_multipliers(self, multipliers: &[Polar]) -> f64 {
         match self {
-            OrbitChange::Fold => node.slope,
-            OrbitChange::Branch => product(multipliers, 1.0),
+            OrbitChange::Fold | OrbitChange::Branch => product(multipliers, 1.0),
             OrbitChange::Doubling => product(multipliers, -1.0),
             OrbitChange::Pair => pair(multipliers).unwrap_or(0.0),
         }
     }
 
-    /// Whether it happens between two members.
-    fn is_between(self, from: &Node, to: &Node) -> bool {
-        let [a, b] = [from, to].map(|node| self.measure(node));
+    /// Whether it happens between two members at which its function has these values.
+    pub(super) fn is_between(self, a: f64, b: f64) -> bool {
         a * b < 0.0 && (self != OrbitChange::Pair || a.abs().max(b.abs()) > CIRCLE)
     }
 }
@@ -41,7 +43,8 @@ impl Walk {
     /// What happens between two members that are `h` apart, in order.  Where a family turns back a multiplier is 1 as well.
     pub fn between(&mut self, from: &Node, to: &Node, h: f64) -> Result<Vec<(Node, OrbitChange)>, Error> {
         let all = [OrbitChange::Fold, OrbitChange::Branch, OrbitChange::Doubling, OrbitChange::Pair];
-        let mut kinds: Vec<OrbitChange> = all.into_iter().filter(|kind| kind.is_between(from, to)).collect();
+        let mut kinds: Vec<OrbitChange> =
+            all.into_iter().filter(|kind| kind.is_between(kind.measure(from), kind.measure(to))).collect();
         if kinds.contains(&OrbitChange::Fold) {
             kinds.retain(|kind| *kind != OrbitChange::Branch);
         }
@@ -95,20 +98,23 @@ impl Walk {
         }
     }
 
-    /// A threshold with its error: what a flow at another tolerance makes of the value, and of where along the family it is.
+    /// A threshold with its error: what a more accurate flow makes of the value, and of where along the family it is.
     pub fn threshold(&mut self, from: &Node, found: &Node, kind: OrbitChange) -> Threshold {
         self.begun.laps.scales.clone_from(&found.scales);
-        let tolerance = self.begun.laps.settings.tolerance;
-        self.begun.laps.settings.tolerance = LOOSER * tolerance;
+        let before = self.begun.laps.refine(&found.solution.trial);
         self.aside = usize::from(kind == OrbitChange::Branch);
-        let rough = self.node(found.solution.point.clone(), Some(&found.tangent));
+        let finer = self.node(found.solution.point.clone(), Some(&found.tangent));
         self.aside = 0;
-        self.begun.laps.settings.tolerance = tolerance;
+        self.begun.laps.settings = before;
         let along = (kind.measure(found) - kind.measure(from)) / (found.value - from.value);
-        let error = rough.map_or(f64::NAN, |rough| {
-            let moved =
-                if kind == OrbitChange::Fold { 0.0 } else { (kind.measure(&rough) - kind.measure(found)) / along };
-            (rough.value - found.value).abs() + moved.abs()
+        let error = finer.map_or(f64::NAN, |finer| {
+            // What the function is where it should be 0 is noise of motions.
+            let [here, there] = [found, &finer].map(|node| kind.measure(node));
+            let moved = if kind == OrbitChange::Fold { 0.0 } else { ((there - here).abs() + here.abs()) / along.abs() };
+            // By what does not close, as along a direction that is left out, the motion is beside the family.
+            let beside = found.slope.abs() * found.solution.trial.r.norm();
+            let located = (SAME * (found.value - from.value).abs()).max(4.0 * f64::EPSILON * found.value.abs());
+            (TOLD * ((finer.value - found.value).abs() + moved + beside)).max(located)
         });
         Threshold { kind, value: found.value, error, member: self.member(found, false) }
     }

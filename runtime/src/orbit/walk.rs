@@ -256,19 +256,23 @@ impl Walk {
     }
 
     pub fn member(&self, node: &Node, asked: bool) -> Member {
-        let width = node.scales.len();
-        let rows = || node.solution.trial.pieces.iter().flat_map(|piece| piece.run.rows.chunks_exact(width));
-        let amplitude = |i: usize| {
-            let [low, high] = rows()
-                .map(|row| row[i])
-                .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
-            0.5 * (high - low)
-        };
+        let (width, closing) = (node.scales.len(), &self.begun.laps.closing);
+        let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; width];
+        for row in node.solution.trial.pieces.iter().flat_map(|piece| piece.run.rows.chunks_exact(width)) {
+            // The rest of the period is made of images of the lap.
+            let mut y = row.to_vec();
+            for _ in 0..closing.order() {
+                for (range, x) in ranges.iter_mut().zip(&y) {
+                    *range = [range[0].min(*x), range[1].max(*x)];
+                }
+                y = closing.turned(&y);
+            }
+        }
         Member {
             value: node.value,
             period: self.begun.laps.duration(&node.solution.trial),
             start: node.solution.trial.pieces[0].start.y.clone(),
-            amplitudes: (0..width).map(amplitude).collect(),
+            amplitudes: ranges.into_iter().map(|[low, high]| 0.5 * (high - low)).collect(),
             multipliers: beside(&node.spectrum, None),
             asked,
         }

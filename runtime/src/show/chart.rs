@@ -98,6 +98,11 @@ impl Series {
         Series { style: Style::MarkedLine, ..Series::line(name, points) }
     }
 
+    /// Areas, each with the corners from gap to gap, in a pale colour.
+    pub fn areas(name: impl Into<String>, corners: impl IntoIterator<Item = Option<(f64, f64)>>) -> Series {
+        Series { style: Style::Filled, ..Series::line(name, corners) }
+    }
+
     /// The same series in the colour of this place.
     pub fn coloured(self, place: usize) -> Series {
         Series { colour: Some(place), ..self }
@@ -127,6 +132,8 @@ pub enum Style {
     Marks,
     /// Marks joined by lines.
     MarkedLine,
+    /// Areas whose corners are the points from gap to gap.
+    Filled,
 }
 
 /// A point of a series that has no y, because what should give it failed.

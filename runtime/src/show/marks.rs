@@ -20,6 +20,9 @@ pub(super) const COLOURS: [RGBColor; 7] = [
 /// Lengths of dashes and gaps, px: of the first series with each colour, of the second and the third.
 const DASHES: [Option<(i32, i32)>; 3] = [None, Some((10, 4)), Some((3, 4))];
 
+/// How much of a colour an area has, the rest is white: lines and names over it can be read.
+const PALE: f64 = 0.35;
+
 type Place = (i32, i32);
 
 /// Colour, dashes and mark of one series.
@@ -65,6 +68,9 @@ impl Pen {
             return Ok(());
         }
         let points: Vec<Option<Place>> = points.collect();
+        if self.style == Style::Filled {
+            return self.areas(canvas, &points);
+        }
         let stroke = self.colour.stroke_width(2 * FINE as u32);
         for piece in points.split(Option::is_none) {
             let mut piece: Vec<Place> = piece.iter().flatten().copied().collect();
@@ -76,6 +82,21 @@ impl Pen {
                 (_, Some((dash, gap))) => {
                     canvas.draw(&DashedPathElement::new(piece, dash * FINE, gap * FINE, stroke))?
                 }
+            }
+        }
+        Ok(())
+    }
+
+    /// Areas with these corners, from gap to gap; what has no area, as in a legend, is a broad line.
+    fn areas<B: DrawingBackend>(&self, canvas: &Canvas<B>, points: &[Option<Place>]) -> Outcome<B> {
+        let pale = |part: u8| 255 - ((255.0 - f64::from(part)) * PALE) as u8;
+        let colour = RGBColor(pale(self.colour.0), pale(self.colour.1), pale(self.colour.2));
+        for corners in points.split(Option::is_none) {
+            let corners: Vec<Place> = corners.iter().flatten().copied().collect();
+            match corners.len() {
+                0 => {}
+                1 | 2 => canvas.draw(&PathElement::new(corners, colour.stroke_width(8 * FINE as u32)))?,
+                _ => canvas.draw(&Polygon::new(corners, colour.filled()))?,
             }
         }
         Ok(())

@@ -1,6 +1,6 @@
 //! `sweep`: many runs of one mechanism, and a table of what came of them.
 
-mod points;
+pub(super) mod points;
 mod table;
 
 use std::io::{IsTerminal, Write};

@@ -64,7 +64,7 @@ impl Points {
         let mut count = 1_usize;
         for (name, text) in given {
             let (one, sets) = Varied::named(loaded, name)?;
-            let list = values(loaded, reader, sets, text)?;
+            let list = values(loaded, reader, ("vary", sets), text)?;
             count = count.saturating_mul(list.len());
             varied.push(one);
             lists.push(list);
@@ -179,9 +179,14 @@ impl Varied {
 }
 
 /// `A..B:COUNT`, evenly spaced; `A..B:COUNT:log`, evenly in the logarithm; or `A,B,C`.
-fn values(loaded: &Loaded, reader: &mut Reader, sets: Sets, text: &str) -> Result<Vec<f64>, Problem> {
-    let wrong = || usage(format!("--vary wants NAME=A..B:COUNT, NAME=A..B:COUNT:log or NAME=A,B,C, not `{text}`"));
-    let mut value = |text: &str| reader.value(loaded, "vary", sets, text);
+pub fn values(
+    loaded: &Loaded,
+    reader: &mut Reader,
+    (option, sets): (&str, Sets),
+    text: &str,
+) -> Result<Vec<f64>, Problem> {
+    let wrong = || usage(format!("--{option} wants NAME=A..B:COUNT, NAME=A..B:COUNT:log or NAME=A,B,C, not `{text}`"));
+    let mut value = |text: &str| reader.value(loaded, option, sets, text);
     let Some((from, rest)) = text.split_once("..") else {
         let last = text.rsplit(',').next().unwrap_or_default();
         return text.split(',').map(|one| value(&with_unit_of(one, last))).collect();
@@ -199,7 +204,7 @@ fn values(loaded: &Loaded, reader: &mut Reader, sets: Sets, text: &str) -> Resul
         return Err(wrong());
     }
     if log && !(from > 0.0 && to > 0.0) {
-        return Err(usage(format!("--vary: `{text}` has no logarithm at its ends")));
+        return Err(usage(format!("--{option}: `{text}` has no logarithm at its ends")));
     }
     let (a, b) = if log { (from.ln(), to.ln()) } else { (from, to) };
     let between = |k: usize| {
