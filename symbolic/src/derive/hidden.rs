@@ -36,7 +36,10 @@ pub(super) fn append(model: &mut Model, rates: &[Id], equations: &mut [Equations
 pub(super) fn put_in(
     model: &mut Model,
     rates: &[Id],
-    (equations, momenta, energies, switches): (&mut [Equations], &mut [(Id, Id)], &mut Energies, &mut [Switch]),
+    equations: &mut [Equations],
+    momenta: &mut [(Id, Id)],
+    energies: &mut Energies,
+    switches: &mut [Switch],
 ) {
     if model.states.is_empty() {
         return;

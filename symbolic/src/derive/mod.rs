@@ -124,7 +124,7 @@ pub fn derive(mut model: Model) -> Result<Derivation, Vec<Problem>> {
     hidden::append(&mut model, &state_rates, &mut equations, &mut momenta);
     massless::balance(&mut model, &equations[0]);
     let rows = Rows::of(&mut model);
-    hidden::put_in(&mut model, &state_rates, (&mut equations, &mut momenta, &mut energies, &mut switches));
+    hidden::put_in(&mut model, &state_rates, &mut equations, &mut momenta, &mut energies, &mut switches);
     let momentum = momentum::systems(&mut model, &rows, &switches);
     if model.graph.overflowed() {
         return Err(vec![too_large()]);
