@@ -265,7 +265,12 @@ fn is_accounted_for(name: &str, program: &Program) -> bool {
         };
         let multiplier = |of: &str| name.starts_with(&format!("lambda_{}", local_name(of).trim_end_matches('_')));
         let constrained = program.model.constraints.iter().any(|c| multiplier(&c.name));
-        temporary || constrained || rest == "t" || program.model.coordinates.iter().any(|c| coordinate(&c.name))
+        let states = program.model.states.iter().any(|state| coordinate(&state.name));
+        temporary
+            || constrained
+            || states
+            || rest == "t"
+            || program.model.coordinates.iter().any(|c| coordinate(&c.name))
     };
     OWN.contains(&name) || made(name.trim_end_matches('_'))
 }

@@ -51,6 +51,8 @@ fn files() -> BTreeMap<String, PathBuf> {
     let files = folders.iter().flat_map(|folder| fs::read_dir(folder).unwrap().map(|file| file.unwrap().path()));
     files
         .filter(|path| path.extension().is_some_and(|e| e == "yaml"))
+        // States of first order are refused.
+        .filter(|path| !fs::read_to_string(path).unwrap().contains("\nstates:"))
         .map(|path| (format!("module_{}", path.file_stem().unwrap().to_str().unwrap().replace(['-', '.'], "_")), path))
         .collect()
 }

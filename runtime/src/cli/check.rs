@@ -3,9 +3,11 @@
 use std::io::Write;
 
 use clap::ArgMatches;
+use dalembert_symbolic::expr::Symbol;
 use dalembert_symbolic::file;
 use dalembert_symbolic::gate::{Conservative, Nature, Origin, Report, shared_data};
 use dalembert_symbolic::lower::Program;
+use dalembert_symbolic::model::HIDDEN;
 use dalembert_symbolic::number::DoubleDouble;
 use serde_json::Value;
 
@@ -43,8 +45,16 @@ fn one(models: &[Entry], name: &str, options: &ArgMatches, out: &mut dyn Write) 
     let text = ModelFile::named(models, name, sizes(options)?)?;
     let derived = derived(&text.path, &text.source, &text.sizes);
     let program = derived.map_err(|problems| Problem::Model(file::render(&text.path, &text.source, &problems)))?;
-    let n = program.model.coordinates.len();
-    writeln!(out, "{}: {n} coordinate{}", text.name, if n == 1 { "" } else { "s" })?;
+    let (n, states) = (program.model.mechanical(), program.model.states.len());
+    let first_order = match states {
+        0 => String::new(),
+        1 => ", 1 state of first order".to_owned(),
+        k => format!(", {k} states of first order"),
+    };
+    writeln!(out, "{}: {n} coordinate{}{first_order}", text.name, if n == 1 { "" } else { "s" })?;
+    for state in once_stated(&program) {
+        writeln!(out, "  the rate of {state} is stated once: an `equation` in `balances` may state it again")?;
+    }
     for rotation in &program.model.rotations {
         writeln!(out, "  {} is a rotation: 4 numbers, 3 degrees of freedom", rotation.name)?;
     }
@@ -81,7 +91,7 @@ fn one(models: &[Entry], name: &str, options: &ArgMatches, out: &mut dyn Write) 
         writeln!(out, "  check {name} holds{}, worst {worst:.1e}", model.condition(&claim.when))?;
     }
     for force in &program.report.forces {
-        writeln!(out, "  {}", nature(force))?;
+        writeln!(out, "  {}", nature(force, &program))?;
     }
     write!(out, "{}", file::render(&text.path, &text.source, &program.model.warnings))?;
     structure(&program, out)?;
@@ -127,10 +137,12 @@ fn as_json(models: &[Entry], name: &str, options: &ArgMatches, out: &mut dyn Wri
         let (name, worst) = (name.clone().into(), number(*worst));
         object([("name", name), ("worst", worst), ("changed_by_impact", words(events))])
     });
-    let forces: Vec<String> = report.forces.iter().map(nature).collect();
+    let forces: Vec<String> = report.forces.iter().map(|force| nature(force, &program)).collect();
     let object = object([
         ("name", text.name.into()),
-        ("coordinates", model.coordinates.len().into()),
+        ("coordinates", model.mechanical().into()),
+        ("states", model.states.len().into()),
+        ("stated_once", words(&once_stated(&program))),
         ("agreements", agreements.collect()),
         ("degrees_of_freedom", words(&freedoms::lines(&program))),
         ("states", report.states.len().into()),
@@ -191,6 +203,9 @@ fn looked_at(program: &Program, out: &mut dyn Write) -> Result<(), Problem> {
 /// What the comparisons cannot show to be wrong.
 fn unseen(program: &Program, out: &mut dyn Write) -> Result<(), Problem> {
     let shared = shared_data(&program.model).join(", ");
+    if shared.is_empty() {
+        return Ok(());
+    }
     let say = if program.model.checks.is_empty() { "; say what you know of these in `checks`" } else { "" };
     match program.report.agreements.is_empty() {
         true => writeln!(out, "  one derivation only, from {shared}{say}")?,
@@ -216,14 +231,29 @@ fn names_without_units(program: &Program) -> Vec<String> {
         None => p.name.as_str(),
     });
     let coordinates = model.coordinates.iter().filter(|c| c.unit.is_none());
-    let coordinates = coordinates.map(|c| c.name.split('[').next().unwrap_or(&c.name));
+    let coordinates = coordinates.map(|c| c.name.trim_start_matches(HIDDEN));
+    let coordinates = coordinates.map(|name| name.split('[').next().unwrap_or(name));
     let mut names: Vec<String> = parameters.chain(coordinates).map(str::to_owned).collect();
     names.dedup();
     names
 }
 
+/// States whose rates no system of balances states again.
+fn once_stated(program: &Program) -> Vec<String> {
+    let first = program.model.mechanical() as u32;
+    let systems = program.model.balances.iter();
+    let written = systems.flat_map(|system| &system.balances).filter(|balance| balance.is_written());
+    let parts = written.flat_map(|balance| &balance.parts).flat_map(|part| part.value.iter().copied());
+    let symbols = program.model.graph.symbols(parts);
+    let again = |j: usize| symbols.contains(&Symbol::Acceleration(first + j as u32));
+    let states = program.model.states.iter().enumerate().filter(|(j, _)| !again(*j));
+    states.map(|(_, state)| state.name.clone()).collect()
+}
+
 /// What kind of force an entry is, in words.
-fn nature(force: &Conservative) -> String {
+fn nature(force: &Conservative, program: &Program) -> String {
+    // A state stands with the speeds.
+    let speeds = if program.model.states.is_empty() { "velocity" } else { "velocities or states" };
     let name = match (force.section.as_str(), force.name.as_str()) {
         (_, "") => "all forces together".to_owned(),
         ("torques", name) => format!("torque {name}"),
@@ -235,8 +265,8 @@ fn nature(force: &Conservative) -> String {
         Nature::Potential if force.name.is_empty() => format!("{name} have a potential"),
         Nature::Potential => format!("{name} has a potential"),
         Nature::TimeDependent => format!("{name} depends on time: it has a potential at each time, which changes"),
-        Nature::Velocity { idle: true } => format!("{name} has no potential: it depends on velocity, but does no work"),
-        Nature::Velocity { idle: false } => format!("{name} has no potential: it depends on velocity"),
+        Nature::Velocity { idle: true } => format!("{name} has no potential: it depends on {speeds}, but does no work"),
+        Nature::Velocity { idle: false } => format!("{name} has no potential: it depends on {speeds}"),
         Nature::Curl { between: Some((i, j)), value, state } => {
             format!("{name} has no potential: ∂Q({i})/∂{j} − ∂Q({j})/∂{i} = {value:.3e} at {state}")
         }
@@ -298,7 +328,7 @@ pub fn structure(program: &Program, out: &mut dyn Write) -> Result<(), Problem> 
 /// What was recognised, in words.
 pub fn recognised(program: &Program) -> Vec<String> {
     let s = &program.structure;
-    let name = |i: usize| program.model.coordinates.get(i).map_or("?", |c| c.name.as_str());
+    let name = |i: usize| program.model.coordinates.get(i).map_or("?", |c| c.name.trim_start_matches(HIDDEN));
     let flags = [
         (s.linear, "linear with constant coefficients"),
         (s.constant_mass, "constant mass matrix"),

@@ -10,7 +10,7 @@ pub fn run(models: &[Entry], out: &mut dyn Write) -> Result<(), Problem> {
     for entry in models {
         let system = (entry.system)();
         let description = system.description();
-        let n = description.coordinates.len();
+        let n = description.mechanical();
         let about = description.about.split(". ").next().unwrap_or("").trim_end_matches('.');
         let freedom = if n == 1 { "degree of freedom, " } else { "degrees of freedom," };
         writeln!(out, "{:width$}  {n:3} {freedom} {about}", entry.name)?;

@@ -8,7 +8,7 @@ use dalembert_symbolic::model::Sets;
 use super::Problem;
 use super::load::Loaded;
 use super::set_up::{Reader, unknown};
-use crate::mechanism::Description;
+use crate::mechanism::{Description, HIDDEN};
 use crate::run::Names;
 use crate::show::{Chart, Figure, is_picture};
 use crate::{Error, Run};
@@ -155,7 +155,8 @@ pub fn parts(text: &str) -> impl Iterator<Item = &str> {
 /// The columns of a name: itself, or the components of a vector output.
 fn columns(description: &Description, name: &str) -> Result<Vec<String>, Problem> {
     let name = name.trim();
-    let known = Names::of(description).columns();
+    let known: Vec<String> =
+        Names::of(description).columns().into_iter().filter(|name| !name.starts_with(HIDDEN)).collect();
     if known.iter().any(|column| column == name) {
         return Ok(vec![name.to_owned()]);
     }

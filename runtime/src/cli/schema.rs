@@ -18,6 +18,7 @@ const MODEL: &[Key] = &[
     ("tables", "table*", "Functions of one argument by points"),
     ("parameters", "value*", "A value, then a unit: `1.5 kg`; computed from others it is derived"),
     ("coordinates", "unit*", "Generalized coordinates with their units"),
+    ("states", "state*", "States of first order: the rate, or {unit, rate}, or {unit, equation}"),
     ("inputs", "expression*", "Functions of time, used like coordinates"),
     ("define", "value*", "Named scalars or vectors"),
     ("frames", "frame*", "Frames by their angle, in space by turns"),
@@ -58,6 +59,14 @@ const OBJECTS: &[(&str, &[Key])] = &[
             ("units", "list", "[m, mm]"),
             ("smooth", "expression", "2: a cubic spline; 1: no steeper than the points; 0: straight"),
             ("periodic", "flag", "Whether it repeats itself"),
+        ],
+    ),
+    (
+        "state",
+        &[
+            ("unit", "unit", "Of SI: A, K, m"),
+            ("rate", "expression", "Its rate, without accelerations"),
+            ("equation", "expression", "What its rate meets instead: `L*i' + R*i = u`"),
         ],
     ),
     (
@@ -233,6 +242,10 @@ pub fn schema() -> Value {
     for (name, keys) in OBJECTS {
         definitions.insert((*name).to_owned(), object(keys));
     }
+    // A state may be its rate alone.
+    if let Some(Value::Object(state)) = definitions.get_mut("state") {
+        state.insert("type".to_owned(), json!(["object", "string", "number"]));
+    }
     for (name, shape) in [
         ("word", text()),
         ("flag", json!({"type": ["boolean", "string"]})),
@@ -254,7 +267,8 @@ pub fn schema() -> Value {
     schema.insert("title".to_owned(), json!("A mechanism for dalembert"));
     let Value::Object(model) = object(MODEL) else { return Value::Null };
     schema.extend(model);
-    schema.insert("required".to_owned(), json!(["name", "coordinates"]));
+    schema.insert("required".to_owned(), json!(["name"]));
+    schema.insert("anyOf".to_owned(), json!([{"required": ["coordinates"]}, {"required": ["states"]}]));
     schema.insert("$defs".to_owned(), Value::Object(definitions));
     Value::Object(schema)
 }

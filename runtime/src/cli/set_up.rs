@@ -160,15 +160,11 @@ impl Reader {
         v: &mut [f64],
     ) -> Result<(), Problem> {
         for (name, text) in pairs(options, option)? {
-            match name.strip_suffix('\'') {
-                Some(name) => {
-                    let index = coordinate_index(loaded, name)?;
-                    v[index] = self.value(loaded, option, Sets::Speed(index), &text)?;
-                }
-                None => {
-                    let index = coordinate_index(loaded, &name)?;
+            match place_in_state(loaded, &name)? {
+                Place::Coordinate(index) => {
                     q[index] = self.value(loaded, option, Sets::Coordinate(index), &text)?;
                 }
+                Place::Speed(index) => v[index] = self.value(loaded, option, Sets::Speed(index), &text)?,
             }
         }
         Ok(())
@@ -272,8 +268,10 @@ pub fn origin(loaded: &Loaded, options: &ArgMatches) -> Result<Origin, Problem> 
     let scene = scene_of(loaded, options)?;
     let mut given = vec![stated; 2 * n];
     for (name, _) in pairs(options, "start")? {
-        let coordinate = name.strip_suffix('\'');
-        given[coordinate_index(loaded, coordinate.unwrap_or(&name))? + if coordinate.is_some() { n } else { 0 }] = true;
+        given[match place_in_state(loaded, &name)? {
+            Place::Coordinate(index) => index,
+            Place::Speed(index) => n + index,
+        }] = true;
     }
     let tolerance = options.get_one::<String>("tolerance").is_some();
     Ok(Origin { scene: Some(scene).filter(|_| !stated), given, tolerance })
@@ -328,7 +326,12 @@ fn parameter_to_set(loaded: &Loaded, options: &ArgMatches, name: &str) -> Result
         Some(coordinate) => (coordinate, "a speed"),
         None => (name, "a coordinate"),
     };
-    let moves = loaded.system.description().coordinates.iter().any(|known| known.name == coordinate);
+    let description = loaded.system.description();
+    let moves = description.coordinates.iter().any(|known| known.name == coordinate);
+    let (moves, kind) = match description.coordinates.iter().any(|known| known.state() == Some(name)) {
+        true => (true, "a state"),
+        false => (moves, kind),
+    };
     let option = ["start", "at"].into_iter().find(|option| options.try_contains_id(option).is_ok());
     match (found, option) {
         (Err(_), Some(option)) if moves => Err(Problem::Usage(format!(
@@ -358,7 +361,36 @@ pub fn parameter_index(loaded: &Loaded, name: &str) -> Result<usize, Problem> {
 pub fn coordinate_index(loaded: &Loaded, name: &str) -> Result<usize, Problem> {
     let coordinates = &loaded.system.description().coordinates;
     let found = coordinates.iter().position(|c| c.name == name);
-    found.ok_or_else(|| unknown("coordinate", name, coordinates.iter().map(|c| c.name.as_ref())))
+    let known = coordinates.iter().filter(|c| c.state().is_none()).map(|c| c.name.as_ref());
+    found.ok_or_else(|| unknown("coordinate", name, known))
+}
+
+/// Where a name stands in a state.
+pub enum Place {
+    /// Among the coordinates.
+    Coordinate(usize),
+    /// Among the speeds: a rate, or a state of first order as the speed of its hidden coordinate.
+    Speed(usize),
+}
+
+/// The place of a coordinate, a rate or a state of first order.
+pub fn place_in_state(loaded: &Loaded, name: &str) -> Result<Place, Problem> {
+    let description = loaded.system.description();
+    let n = description.coordinates.len();
+    match description.place_of(name) {
+        Some(place) if place < n => Ok(Place::Coordinate(place)),
+        Some(place) => Ok(Place::Speed(place - n)),
+        None => {
+            let known = description.start_names();
+            let name = name.strip_suffix('\'').unwrap_or(name);
+            if description.coordinates.iter().any(|c| c.state() == Some(name)) {
+                return Err(Problem::Usage(format!(
+                    "error: `{name}'` is the rate of a state of first order, which the model gives; write `{name}=…`"
+                )));
+            }
+            Err(unknown("coordinate", name, known.iter().map(String::as_str)))
+        }
+    }
 }
 
 /// No such name, and which there are.

@@ -22,6 +22,12 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         write!(out, "{}", print::rust(&program, &loaded.source, &name))?;
         return Ok(());
     }
+    if options.get_flag("python") && !program.model.states.is_empty() {
+        return Err(Problem::Usage(
+            "error: --python does not print states of first order yet; --rust does, and `modes --json` has A and B"
+                .to_owned(),
+        ));
+    }
     if options.get_flag("python") {
         write!(out, "{}", print::python(&program, &loaded.name))?;
         return Ok(());
@@ -37,8 +43,9 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     if options.get_flag("json") {
         let text = |text: &str| Value::String(text.to_owned());
         let unit = |unit: &Option<String>| unit.as_ref().map_or(Value::Null, |unit| Value::String(unit.clone()));
-        let coordinates =
-            model.coordinates.iter().map(|c| json::object([("name", text(&c.name)), ("unit", unit(&c.unit))]));
+        let coordinates = model.coordinates[..model.mechanical()]
+            .iter()
+            .map(|c| json::object([("name", text(&c.name)), ("unit", unit(&c.unit))]));
         let parameters = model.parameters.iter().map(|p| {
             let default = json::number(p.default);
             json::object([("name", text(&p.name)), ("unit", unit(&p.unit)), ("default", default)])

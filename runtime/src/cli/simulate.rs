@@ -298,8 +298,11 @@ fn as_json(loaded: &Loaded, settings: &Settings, run: &Run) -> Value {
     let last = run.last();
     let description = loaded.system.description();
     let named = |values: &[f64]| {
-        object(description.coordinates.iter().zip(values).map(|(c, x)| (c.name.to_string(), number(*x))))
+        let all = description.coordinates.iter().zip(values).filter(|(c, _)| c.state().is_none());
+        object(all.map(|(c, x)| (c.name.to_string(), number(*x))))
     };
+    let states = description.coordinates.iter().zip(&last.v);
+    let states = states.filter_map(|(c, x)| Some((c.state()?.to_owned(), number(*x))));
     let drift = run.drift.iter().map(|d| (d.name.clone(), d.value.map_or(Value::Null, number)));
     let balance = run.energy_balance.map_or(Value::Null, number);
     let residuals = run.residuals.unwrap_or_default();
@@ -318,6 +321,7 @@ fn as_json(loaded: &Loaded, settings: &Settings, run: &Run) -> Value {
         ("t", number(last.t)),
         ("q", named(&last.q)),
         ("v", named(&last.v)),
+        ("states", object(states)),
         ("outputs", outputs_at_end(description, run)),
         ("drift", object(drift.chain([("energy_balance".to_owned(), balance)]))),
         ("constraint", object([("position", number(residuals.position)), ("velocity", number(residuals.velocity))])),
@@ -378,14 +382,14 @@ fn by_column(run: &Run, value: impl Fn(&str) -> Option<Value>) -> Value {
     if run.digits.is_none() {
         return Value::Null;
     }
-    object(run.column_names().into_iter().map(|name| (name.clone(), value(&name).unwrap_or(Value::Null))))
+    object(run.shown_names().into_iter().map(|name| (name.clone(), value(&name).unwrap_or(Value::Null))))
 }
 
 /// Jumps of the speeds: when, by what, and of which rates.
 fn impulses(description: &Description, run: &Run) -> Value {
     let one = |impulse: &Impulse| {
-        let names = description.coordinates.iter().map(|c| c.name.to_string());
-        let jumps = names.zip(&impulse.jump).map(|(name, jump)| (name, number(*jump)));
+        let coordinates = description.coordinates.iter().zip(&impulse.jump).filter(|(c, _)| c.state().is_none());
+        let jumps = coordinates.map(|(c, jump)| (c.name.to_string(), number(*jump)));
         let rows = impulse.constraints.iter().map(|(name, impulse)| (name.clone(), number(*impulse)));
         object([
             ("t", number(impulse.t)),

@@ -10,6 +10,7 @@ use super::Problem;
 use super::json::{number, object};
 use super::load::Loaded;
 use super::set_up::origin;
+use crate::mechanism::HIDDEN;
 use crate::run::written;
 use crate::vary::{run_with_slopes, unknown};
 use crate::{Error, Settings, Slope, Slopes};
@@ -45,7 +46,7 @@ pub fn write(slopes: &Slopes, out: &mut dyn Write) -> Result<(), Problem> {
         if slopes.run.ended_by().is_some() {
             writeln!(out, "  d t/d {unknown} = {}", text(*end))?;
         }
-        for name in slopes.names() {
+        for name in slopes.names().iter().filter(|name| !name.starts_with(HIDDEN)) {
             let slope = slopes.get(name, unknown).filter(|slope| slope.value != 0.0);
             if let Some(slope) = slope {
                 writeln!(out, "  d {name}/d {unknown} = {}", text(slope))?;
@@ -64,7 +65,7 @@ pub fn as_json(slopes: &Slopes) -> Value {
     let one = |slope: Slope| json!({"value": number(slope.value), "error": number(slope.error)});
     object(slopes.unknowns.iter().zip(&slopes.end_time).map(|(unknown, end)| {
         let of = |name: &String| (name.clone(), slopes.get(name, unknown).map_or(Value::Null, one));
-        let list = slopes.names().iter().map(of);
+        let list = slopes.names().iter().filter(|name| !name.starts_with(HIDDEN)).map(of);
         let end = slopes.run.ended_by().map(|_| ("t".to_owned(), one(*end)));
         (unknown.clone(), object(end.into_iter().chain(list)))
     }))

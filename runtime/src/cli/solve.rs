@@ -8,10 +8,11 @@ use serde_json::{Value as Json, json};
 
 use super::json::{number, object};
 use super::load::{Loaded, listed_pairs};
-use super::set_up::{Reader, coordinate_index, for_search, motion_index, parameter_index};
+use super::set_up::{Place, Reader, for_search, motion_index, parameter_index, place_in_state};
 use super::{Entry, Problem, outputs, value_files};
 use crate::error::{Error, NoSlopes, NotFound};
 use crate::find::{Found, Record, Search, Value};
+use crate::mechanism::Coordinate;
 use crate::run::{plain, written};
 
 /// Searches, and prints what was found.
@@ -72,12 +73,14 @@ fn read(reader: &mut Reader, loaded: &Loaded, option: &str, (name, text): (&str,
     let description = loaded.system.description();
     let is_parameter = description.parameters.iter().any(|parameter| parameter.name == name);
     let is_output = description.outputs.iter().any(|output| name.split('.').next() == Some(&*output.name));
-    let sets = match name.strip_suffix('\'') {
-        Some(coordinate) => Sets::Speed(coordinate_index(loaded, coordinate)?),
-        None if option == "unknown" && name == "until" => Sets::Time,
-        None if option == "unknown" && is_parameter => Sets::Parameter(parameter_index(loaded, name)?),
-        None if option != "unknown" && is_output => Sets::Any,
-        None => Sets::Coordinate(coordinate_index(loaded, name)?),
+    let sets = match option {
+        "unknown" if name == "until" => Sets::Time,
+        "unknown" if is_parameter => Sets::Parameter(parameter_index(loaded, name)?),
+        option if option != "unknown" && is_output => Sets::Any,
+        _ => match place_in_state(loaded, name)? {
+            Place::Coordinate(index) => Sets::Coordinate(index),
+            Place::Speed(index) => Sets::Speed(index),
+        },
     };
     reader.value(loaded, option, sets, text)
 }
@@ -217,7 +220,8 @@ fn unit(loaded: &Loaded, name: &str) -> String {
     let description = loaded.system.description();
     let of_parameter =
         description.parameters.iter().find(|parameter| parameter.name == name).map(|p| p.unit.to_string());
-    let coordinate = |name: &str| description.coordinates.iter().find(|c| c.name == name).map(|c| c.unit.to_string());
+    let is = |c: &Coordinate, name: &str| c.name == name || c.state() == Some(name);
+    let coordinate = |name: &str| description.coordinates.iter().find(|c| is(c, name)).map(|c| c.unit.to_string());
     let unit = match name.strip_suffix('\'') {
         _ if name == "until" => Some("s".to_owned()),
         Some(name) => coordinate(name).map(|unit| format!("{unit}/s")),

@@ -7,7 +7,7 @@ use dalembert_symbolic::model::Sets;
 
 use super::Problem;
 use super::load::Loaded;
-use super::set_up::{Reader, coordinate_index, parameter_index, unknown};
+use super::set_up::{Place, Reader, parameter_index, place_in_state, unknown};
 use crate::{Run, Settings, State};
 
 /// Reads such a file; `#` begins a comment, as in a model file.
@@ -66,25 +66,25 @@ pub fn parameters(loaded: &mut Loaded, reader: &mut Reader, path: &str) -> Resul
 pub fn start(loaded: &Loaded, reader: &mut Reader, path: &str, settings: &mut Settings) -> Result<(), Problem> {
     let length = settings.until - settings.from;
     for (place, name, text) in lines(path)? {
-        match name.strip_suffix('\'') {
-            _ if name == "t" => {
+        match name.as_str() {
+            "t" => {
                 settings.from = reader.value_at(loaded, &place, Sets::Time, &text)?;
                 settings.until = settings.from + length;
             }
-            _ if name == "phase" && coordinate_index(loaded, &name).is_err() => {
+            "phase" if place_in_state(loaded, &name).is_err() => {
                 let phases = &loaded.system.description().phases;
                 let found = phases.iter().position(|phase| phase.name == text);
                 settings.phase =
                     found.ok_or_else(|| unknown("phase", &text, phases.iter().map(|phase| phase.name.as_ref())))?;
             }
-            Some(coordinate) => {
-                let index = coordinate_index(loaded, coordinate)?;
-                settings.v[index] = reader.value_at(loaded, &place, Sets::Speed(index), &text)?;
-            }
-            None => {
-                let index = coordinate_index(loaded, &name)?;
-                settings.q[index] = reader.value_at(loaded, &place, Sets::Coordinate(index), &text)?;
-            }
+            _ => match place_in_state(loaded, &name)? {
+                Place::Coordinate(index) => {
+                    settings.q[index] = reader.value_at(loaded, &place, Sets::Coordinate(index), &text)?;
+                }
+                Place::Speed(index) => {
+                    settings.v[index] = reader.value_at(loaded, &place, Sets::Speed(index), &text)?;
+                }
+            },
         }
     }
     // A motion went through it: nothing is chosen any more.

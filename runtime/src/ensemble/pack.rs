@@ -72,6 +72,8 @@ struct Pack<'a, M: Mechanism<N, C>, S: Lanes, const N: usize, const C: usize> {
     relative: S,
     /// The largest range of a coordinate that counts.
     widest: Vec<f64>,
+    /// The least unit of its errors: without end for the hidden coordinate of a state of first order.
+    least: Vec<f64>,
     step: Attempt<S, N>,
     /// The least and the largest that each component was.
     low: Block<S, N>,
@@ -97,6 +99,11 @@ impl<'a, M: Mechanism<N, C> + 'static, S: Lanes, const N: usize, const C: usize>
             constants: M::constants(|_| task.mechanism.clone()),
             relative: S::from_f64(task.tolerance),
             widest: widest(description),
+            least: description
+                .coordinates
+                .iter()
+                .map(|coordinate| if coordinate.state().is_some() { f64::INFINITY } else { LEAST })
+                .collect(),
             low: step.y,
             high: step.y,
             step,
@@ -175,7 +182,8 @@ impl<'a, M: Mechanism<N, C> + 'static, S: Lanes, const N: usize, const C: usize>
             let range = if half == 0 { (high - low).min(number(self.widest[i])) } else { high - low };
             let rounding = number(ROUNDING) * low.abs().max(high.abs());
             let change = (step.end[half][i] - y).abs().max((h * step.stages[0][half][i]).abs());
-            (self.relative * range.max(change)).max(rounding).max(number(LEAST))
+            let least = if half == 0 { self.least[i] } else { LEAST };
+            (self.relative * range.max(change)).max(rounding).max(number(least))
         });
         let rates = step.stages[X::END].iter().flatten();
         rates.fold(error, |error, rate| error + number(0.0) * *rate)

@@ -36,6 +36,8 @@ pub enum LinearError {
     },
     /// The mechanism has constraints, or coordinates of kind `rotation`: it is linearised in independent coordinates, by `linearise_constrained`.
     HasConstraints,
+    /// The mechanism has states of first order: M, C and K do not hold them, `linearise_states` does.
+    HasStates,
     /// A constraint contains speeds, so that no coordinates are independent.
     VelocityConstraint {
         /// The constraint.
@@ -181,6 +183,9 @@ impl fmt::Display for LinearError {
                 if *iterations == 1 { "" } else { "s" },
                 Pairs(point),
                 Forces(residual)
+            ),
+            LinearError::HasStates => f.write_str(
+                "the mechanism has states of first order, which M, C and K do not hold: `modes` prints A, and `linearise_states` gives it",
             ),
             LinearError::HasConstraints => {
                 write!(

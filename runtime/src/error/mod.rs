@@ -112,6 +112,8 @@ pub enum Inseparable {
     MassMatrix,
     /// Forces depend on speeds, or switch with them, or are not known not to.
     Speeds,
+    /// There are states of first order: to move places and speeds in turn would need their own motion.
+    States,
     /// A constraint contains speeds.
     Rates {
         /// The constraint, or its component.
@@ -148,6 +150,9 @@ impl fmt::Display for Inseparable {
             Inseparable::Constraints => "it has constraints; `verlet` (RATTLE), `suzuki4` and `kahanli8` keep them",
             Inseparable::MassMatrix => "its mass matrix changes along the motion",
             Inseparable::Speeds => "its forces depend on speeds",
+            Inseparable::States => {
+                "it has states of first order, whose motion is none of places and speeds in turn; `gauss2`, `gauss4` and `gauss6` take them"
+            }
             Inseparable::Rates { constraint } => return write!(f, "its constraint `{constraint}` contains speeds"),
             Inseparable::Friction => "its forces are made of reactions, as friction is",
             Inseparable::Enforcement => {

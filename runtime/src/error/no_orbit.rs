@@ -8,6 +8,8 @@ use super::not_found::Listed;
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub enum NoOrbit {
+    /// The mechanism has states of first order, of which closing motions and their multipliers are not known yet.
+    States,
     /// What the search comes to is an equilibrium, which repeats itself after any time.
     Rest,
     /// The motion comes near to none of its states again, so that there is no period to begin with.
@@ -100,6 +102,10 @@ pub enum NoOrbit {
 impl fmt::Display for NoOrbit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            NoOrbit::States => f.write_str(
+                "the mechanism has states of first order, of which closing motions and their multipliers are not known yet; `simulate` until it \
+                 repeats itself, with an event that records",
+            ),
             NoOrbit::Rest => f.write_str(
                 "what was found is an equilibrium, which repeats itself after any time; begin farther from it, or with another period",
             ),

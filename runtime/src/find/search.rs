@@ -11,7 +11,7 @@ use super::multiple::MultipleRoot;
 use super::newton::Linearised;
 use super::trial::{Sought, Source, Trial};
 use crate::error::{Error, NoSlopes, NotFound};
-use crate::mechanism::{Extreme, MotionNumbers, System};
+use crate::mechanism::{Extreme, HIDDEN, MotionNumbers, System};
 use crate::simulate::{Described, Settings, Simulation};
 use crate::vary::{Unknown, Varied, named, unknown};
 
@@ -131,7 +131,7 @@ impl Search {
             let missing = || Error::UnknownName {
                 kind: "coordinate, rate or output",
                 name: name.to_owned(),
-                known: columns.clone(),
+                known: columns.iter().filter(|name| !name.starts_with(HIDDEN)).cloned().collect(),
             };
             found.ok_or_else(missing)
         };

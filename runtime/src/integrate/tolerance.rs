@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::mechanism::Description;
+use crate::mechanism::{Coordinate, Description};
 
 /// The tolerance as a norm: an error of component i counts in units of ε wᵢ, where w follows the motion itself.
 ///
@@ -18,7 +18,8 @@ use crate::mechanism::Description;
 /// coordinate takes over the rounding of a larger one beside it, φ is raised then.  What sets off from rest like a high power of
 /// time has errors of the size of its change in any step: those of its first step count as none ([`Tolerance::note_start_up_errors`]).
 ///
-/// What has decayed far below its largest value has absolute accuracy only.
+/// What has decayed far below its largest value has absolute accuracy only.  The hidden coordinate of a state of first order, its integral, has
+/// no weight at all: 1/w = 0.
 #[derive(Clone, Debug)]
 pub(crate) struct Tolerance {
     /// ε.
@@ -42,6 +43,8 @@ pub(crate) struct Tolerance {
     is_clear: bool,
     /// The first coordinate of the same unit.
     group: Vec<usize>,
+    /// Hidden coordinates of states of first order, whose errors count as none.
+    hidden: Vec<bool>,
     /// The largest |q| and |q'| so far of those with the same unit, where the first of them stands.
     largest: Vec<f64>,
 }
@@ -60,7 +63,12 @@ const EXPLAINED: f64 = 8.0;
 pub(super) fn alike(mechanism: &Description) -> Vec<usize> {
     let coordinates = &mechanism.coordinates;
     let first = |unit: &str| coordinates.iter().position(|other| other.unit == unit).unwrap_or(0);
-    coordinates.iter().map(|coordinate| first(&coordinate.unit)).collect()
+    // What is hidden is like nothing else.
+    let of = |(i, coordinate): (usize, &Coordinate)| match coordinate.state() {
+        Some(_) => i,
+        None => first(&coordinate.unit),
+    };
+    coordinates.iter().enumerate().map(of).collect()
 }
 
 impl Tolerance {
@@ -81,6 +89,7 @@ impl Tolerance {
             constraint_round_off: vec![0.0; start.len()],
             is_clear: true,
             group,
+            hidden: mechanism.coordinates.iter().map(|coordinate| coordinate.state().is_some()).collect(),
             largest: vec![0.0; start.len()],
         };
         start.iter().enumerate().for_each(|(k, y)| tolerance.note_size(k, *y));
@@ -183,6 +192,9 @@ impl Tolerance {
 
     /// The part of a unit that does not depend on the step: ε times the range so far, or rounding.
     fn floor(&self, k: usize) -> f64 {
+        if self.hidden.get(k) == Some(&true) {
+            return f64::INFINITY;
+        }
         let (low, high) = (self.low[k], self.high[k]);
         let (widest, raised) = if k < self.n { (self.widest[k], self.raised[k]) } else { (f64::INFINITY, 0.0) };
         let of_rounding = f64::EPSILON * self.largest[self.first_alike(k)];

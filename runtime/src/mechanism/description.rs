@@ -97,12 +97,30 @@ pub struct Description {
 }
 
 /// A generalized coordinate.
+///
+/// A state of first order z is kept as the speed of a hidden coordinate ∫z dt, on which nothing depends: it is called `∫z`, and has the
+/// unit of the state.  Such coordinates come after all others, and are in no table, norm, digit or freedom.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Coordinate {
     /// `theta[3]`.
     pub name: Text,
     /// The unit of its numbers, SI: the file's without prefixes (`mm` is `m`); empty when none is given.
     pub unit: Text,
+}
+
+/// What the name of the hidden coordinate of a state begins with, which no name of a file does.
+pub(crate) const HIDDEN: char = '∫';
+
+/// The name of a coordinate's rate: `theta'`; of the hidden coordinate of a state that of the state.
+pub(crate) fn rate_name(coordinate: &str) -> String {
+    coordinate.strip_prefix(HIDDEN).map_or_else(|| format!("{coordinate}'"), str::to_owned)
+}
+
+impl Coordinate {
+    /// The state of first order whose hidden coordinate this is; `None` for a coordinate of the file.
+    pub fn state(&self) -> Option<&str> {
+        self.name.strip_prefix(HIDDEN)
+    }
 }
 
 /// Three angles that turn a frame one after the other.
@@ -477,7 +495,37 @@ pub struct Counts {
 impl Description {
     /// The name of a coordinate, for messages.
     pub(crate) fn coordinate_name(&self, index: usize) -> String {
-        self.coordinates.get(index).map_or_else(|| format!("coordinate {index}"), |c| c.name.to_string())
+        let name = |c: &Coordinate| c.state().unwrap_or(&c.name).to_owned();
+        self.coordinates.get(index).map_or_else(|| format!("coordinate {index}"), name)
+    }
+
+    /// How many coordinates the file declares; those of its states of first order follow.
+    pub fn mechanical(&self) -> usize {
+        self.coordinates.iter().take_while(|coordinate| coordinate.state().is_none()).count()
+    }
+
+    /// Whether there are states of first order.
+    pub fn has_states(&self) -> bool {
+        self.coordinates.iter().any(|coordinate| coordinate.state().is_some())
+    }
+
+    /// The place of a coordinate, a rate (`theta'`) or a state of first order in [q; q'].
+    pub fn place_of(&self, name: &str) -> Option<usize> {
+        let n = self.coordinates.len();
+        let position = |name: &str| self.coordinates.iter().position(|coordinate| coordinate.name == name);
+        let of_state = || self.coordinates.iter().position(|coordinate| coordinate.state() == Some(name));
+        match name.strip_suffix('\'') {
+            Some(coordinate) => {
+                Some(n + position(coordinate).filter(|place| self.coordinates[*place].state().is_none())?)
+            }
+            None if name.starts_with(HIDDEN) => None,
+            None => position(name).or_else(|| Some(n + of_state()?)),
+        }
+    }
+
+    /// Names of coordinates and of states of first order.
+    pub(crate) fn start_names(&self) -> Vec<String> {
+        self.coordinates.iter().map(|c| c.state().unwrap_or(&c.name).to_owned()).collect()
     }
 
     /// How many numbers `System::outputs` writes.

@@ -29,6 +29,7 @@ pub use description::{
     Integral, List, Parameter, Part, Phase, Quantity, Rated, Role, Row, Shape, Structure, Switch, SwitchKind, Text,
     Tried, Watched,
 };
+pub(crate) use description::{HIDDEN, rate_name};
 pub use dynamic::Dynamic;
 pub use enforcement::{Enforcement, Stabilisation};
 pub use generated::{Mechanism, Values};

@@ -32,6 +32,8 @@ pub enum NeedsError {
         /// Its name.
         name: String,
     },
+    /// The model has states of first order, which no smaller model that is tried keeps.
+    States,
     /// The full model's run fails.
     Fails {
         /// Why.
@@ -58,6 +60,10 @@ impl fmt::Display for NeedsError {
             NeedsError::UnknownName { kind, name, known } => {
                 write!(f, "no {kind} is called `{name}`; there are {}", known.join(", "))
             }
+            NeedsError::States => f.write_str(
+                "the model has states of first order, which `needs` does not leave out, hold or follow yet; `--slopes` of `simulate` tells how an \
+                 output changes with each parameter",
+            ),
             NeedsError::BadNeed { within } => {
                 write!(
                     f,

@@ -82,6 +82,9 @@ impl Full {
         let source = &with_sizes(&request.source, sizes);
         let compiled = compile_in(folder.as_deref(), source, sizes);
         let program = compiled.map_err(|problems| NeedsError::Model { problems })?;
+        if !program.model.states.is_empty() {
+            return Err(NeedsError::States);
+        }
         let places = places(&program);
         let mut need = need;
         let everything = need.outputs.is_empty() && need.absolute.is_empty();

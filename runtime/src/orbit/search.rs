@@ -179,6 +179,9 @@ impl OrbitSearch {
             Err(_) => Closing::default(),
         };
         let (mut system, mut settings, origin) = std::mem::replace(&mut self.described, Err(NoOrbit::Rest.into()))?;
+        if system.description().has_states() {
+            return Err(NoOrbit::States.into());
+        }
         if !origin.tolerance {
             settings.tolerance = settings.tolerance.min(TOLERANCE);
         }

@@ -2,7 +2,7 @@
 
 use super::{Arithmetic, Candidate, DoubleOnly};
 use crate::error::Error;
-use crate::mechanism::Method;
+use crate::mechanism::{HIDDEN, Method};
 use crate::run::{Run, uneven};
 use crate::simulate::{Settings, simulate};
 
@@ -80,12 +80,12 @@ impl Reference {
     }
 
     fn of(first: &Run, second: &Run, columns: &[String]) -> Result<Reference, Error> {
-        let coordinates = first.names.coordinates.clone();
-        let columns = if columns.is_empty() { coordinates } else { columns.to_vec() };
+        let shown = first.names.coordinates.iter().map(|name| name.strip_prefix(HIDDEN).unwrap_or(name).to_owned());
+        let columns = if columns.is_empty() { shown.collect() } else { columns.to_vec() };
         let values = columns.iter().map(|name| column(first, name)).collect::<Result<Vec<_>, Error>>()?;
         let end = |run: &Run| run.ended_by().map(|event| event.state.t);
         let start = first.first();
-        let components: Vec<String> = start.entries().map(|(name, _)| name).collect();
+        let components: Vec<String> = first.column_names().into_iter().take(2 * start.q.len()).collect();
         let states = components.iter().map(|name| column(first, name)).collect::<Result<Vec<_>, Error>>()?;
         let mut found = Reference {
             methods: [first.method, second.method],
@@ -249,7 +249,7 @@ fn column(run: &Run, name: &str) -> Result<Vec<f64>, Error> {
     run.column(name).ok_or_else(|| Error::UnknownName {
         kind: "coordinate, rate or output",
         name: name.to_owned(),
-        known: run.column_names(),
+        known: run.shown_names(),
     })
 }
 

@@ -6,6 +6,7 @@ use std::collections::VecDeque;
 use super::State;
 use super::state::plain;
 use super::{Run, apart_by};
+use crate::mechanism::HIDDEN;
 
 /// What a second run, less accurate and from a start moved by rounding, says about the first.
 ///
@@ -187,7 +188,7 @@ impl Digits {
     pub(crate) fn frequency_error(&mut self, run: &Run, relative: f64) {
         let (columns, n) = (run.column_names().len(), run.names.coordinates.len());
         let ranges = ranges(run, self.still);
-        for i in (0..n).filter(|_| relative > 0.0) {
+        for i in (0..n).filter(|i| relative > 0.0 && ranges[*i].is_finite()) {
             let mut way = 0.0;
             for row in 1..run.len() {
                 let speed = |row: usize| run.rows[2 * n * row + n + i].abs();
@@ -397,9 +398,12 @@ fn ranges(run: &Run, still: f64) -> Vec<f64> {
         (if range > still * size { range } else { size }).max(STILL * largest(&units[column]))
     };
     let mut ranges: Vec<f64> = (0..names.len()).map(of).collect();
+    // Of what is hidden nothing is asked.
+    let hidden = names.iter().map(|name| name.starts_with(HIDDEN));
+    ranges.iter_mut().zip(hidden).filter(|(_, hidden)| *hidden).for_each(|(range, _)| *range = f64::INFINITY);
     // Where all rests, rates are what rounding makes of the places in all that time or in the time of a vibration, and an angle is one beside 1 rad.
     let span = run.times.last().zip(run.times.first()).map_or(0.0, |(last, first)| last - first);
-    for i in 0..states / 2 {
+    for i in (0..states / 2).filter(|i| !names[*i].starts_with(HIDDEN)) {
         if matches!(&*units[i], "" | "1" | "rad") {
             ranges[i] = ranges[i].max(ROUNDED);
         }
@@ -421,7 +425,7 @@ fn couple_rates(differences: &mut [f64], times: &[f64], ranges: &[f64], n: usize
     let columns = ranges.len();
     for (row, t) in times.iter().enumerate() {
         let elapsed = t - times[0];
-        for i in 0..n {
+        for i in (0..n).filter(|i| ranges[*i].is_finite()) {
             let (place, speed) = (columns * row + i, columns * row + n + i);
             let (dq, dv) = (differences[place], differences[speed]);
             // An error of a rate moves its coordinate no farther than in all the time there was.

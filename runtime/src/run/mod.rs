@@ -41,12 +41,13 @@ pub(crate) use state::Names;
 pub use state::State;
 #[cfg(feature = "interpret")]
 pub(crate) use state::plain;
+use state::state_position;
 pub use symmetry::Symmetry;
 pub(crate) use trajectory::Trajectory;
 pub use trust::Trust;
 
 pub use crate::events::Impulse;
-use crate::mechanism::{Description, Method};
+use crate::mechanism::{Description, HIDDEN, Method};
 use crate::trust::{Conditioning, Drift, Warning};
 
 /// A motion that was computed, and what tells how far it can be trusted.
@@ -247,6 +248,10 @@ impl Run {
         }
         match position(&self.names.coordinates, name) {
             Some(index) => Some(stride(&self.rows, 2 * n, index)),
+            None if state_position(&self.names.coordinates, name).is_some() => {
+                let index = state_position(&self.names.coordinates, name)?;
+                Some(stride(&self.rows, 2 * n, n + index))
+            }
             None => {
                 let index = position(&self.names.outputs, name)?;
                 Some(stride(&self.outputs, self.names.outputs.len(), index))
@@ -254,9 +259,15 @@ impl Run {
         }
     }
 
-    /// Names of the columns: coordinates, their rates, outputs component by component.
+    /// Names of the columns: coordinates, their rates, outputs component by component; in the places of hidden coordinates of states of first
+    /// order names that begin with `∫`, in those of their rates the states.
     pub fn column_names(&self) -> Vec<String> {
         self.names.columns()
+    }
+
+    /// The names of the columns without hidden ones.
+    pub fn shown_names(&self) -> Vec<String> {
+        self.column_names().into_iter().filter(|name| !name.starts_with(HIDDEN)).collect()
     }
 
     /// What the model draws at up to some thousands of times, evaluated now.

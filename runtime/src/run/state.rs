@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::Index;
 use std::sync::Arc;
 
-use crate::mechanism::Description;
+use crate::mechanism::{Description, HIDDEN, rate_name};
 
 /// The names under which a run's numbers are found.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -20,11 +20,16 @@ impl Names {
         Names { coordinates, outputs }
     }
 
-    /// Coordinates, their rates, outputs component by component.
+    /// Coordinates, their rates, outputs component by component; those of states are hidden, and the rates of these are the states.
     pub fn columns(&self) -> Vec<String> {
-        let rates = self.coordinates.iter().map(|name| format!("{name}'"));
+        let rates = self.coordinates.iter().map(|name| rate_name(name));
         self.coordinates.iter().cloned().chain(rates).chain(self.outputs.iter().cloned()).collect()
     }
+}
+
+/// The place of a state of first order among the coordinates.
+pub(crate) fn state_position(coordinates: &[String], state: &str) -> Option<usize> {
+    coordinates.iter().position(|name| name.strip_prefix(HIDDEN) == Some(state))
 }
 
 /// `tip.x`, `tip.y` of a vector, `speed` of a scalar.
@@ -37,7 +42,8 @@ fn components(name: &str, count: u32) -> Vec<String> {
 
 /// The state of a mechanism at one time.
 ///
-/// `state["theta"]` is a coordinate, `state["theta'"]` its rate, `state["tip.x"]` a component of an output.
+/// `state["theta"]` is a coordinate, `state["theta'"]` its rate, `state["i"]` a state of first order, `state["tip.x"]` a component of an
+/// output.  `q` and `v` end with what belongs to the states: hidden coordinates, and the states as their speeds.
 #[derive(Clone, PartialEq)]
 pub struct State {
     /// Time, s.
@@ -65,15 +71,19 @@ impl State {
         match position(&self.names.coordinates, name) {
             Some(index) => self.q.get(index),
             None if name == "t" => Some(&self.t),
+            None if state_position(&self.names.coordinates, name).is_some() => {
+                self.v.get(state_position(&self.names.coordinates, name)?)
+            }
             None => self.outputs.get(position(&self.names.outputs, name)?),
         }
     }
 
-    /// (name, value) of all coordinates, then of their rates.
+    /// (name, value) of all coordinates, then of their rates, then of states of first order.
     pub fn entries(&self) -> impl Iterator<Item = (String, f64)> + '_ {
         let names = &self.names.coordinates;
         let positions = names.iter().cloned().zip(self.q.iter().copied());
-        positions.chain(names.iter().map(|name| format!("{name}'")).zip(self.v.iter().copied()))
+        let positions = positions.filter(|(name, _)| !name.starts_with(HIDDEN));
+        positions.chain(names.iter().map(|name| rate_name(name)).zip(self.v.iter().copied()))
     }
 
     /// (name, value) of all outputs, component by component; `None` where one is not finite.

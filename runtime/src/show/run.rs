@@ -50,7 +50,7 @@ impl Run {
 
     /// Time, coordinates, rates and outputs of all reported states: see [`csv`].
     pub fn to_csv(&self) -> String {
-        let names: Vec<String> = std::iter::once("t".to_owned()).chain(self.column_names()).collect();
+        let names: Vec<String> = std::iter::once("t".to_owned()).chain(self.shown_names()).collect();
         let columns: Vec<Vec<Option<f64>>> =
             names.iter().map(|name| self.column(name).unwrap_or_default().into_iter().map(Some).collect()).collect();
         csv(&names, &columns)
@@ -118,7 +118,7 @@ impl Run {
                 state.get(name).ok_or_else(|| Error::UnknownName {
                     kind: "coordinate or rate",
                     name: name.to_owned(),
-                    known: self.column_names(),
+                    known: self.shown_names(),
                 })
             };
             points.push(Some((value(x)?, value(y)?)));
@@ -139,7 +139,7 @@ impl Run {
         }
         for unit in units {
             let alike = self.description.coordinates.iter().filter(|coordinate| coordinate.unit == unit);
-            let names: Vec<&str> = alike.map(|coordinate| coordinate.name.as_ref()).collect();
+            let names: Vec<&str> = alike.map(|c| c.state().unwrap_or(&c.name)).collect();
             charts.extend(self.history(&names));
         }
         if let Some(first) = charts.first_mut() {
@@ -201,7 +201,7 @@ impl Run {
         let column = self.column(name).ok_or_else(|| Error::UnknownName {
             kind: "coordinate, rate or output",
             name: name.to_owned(),
-            known: self.column_names(),
+            known: self.shown_names(),
         })?;
         let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
         let dense = (0..=POINTS).map(|i| first + (last - first) * i as f64 / POINTS as f64);
@@ -223,11 +223,14 @@ impl Run {
     }
 }
 
-/// The SI unit of a coordinate, rate or output of a mechanism; empty where it is pure or not known.
+/// The SI unit of a coordinate, rate, state or output of a mechanism; empty where it is pure or not known.
 pub(crate) fn unit(mechanism: &Description, name: &str) -> String {
     let output = [".x", ".y", ".z"].iter().find_map(|axis| name.strip_suffix(axis)).unwrap_or(name);
     if let Some(output) = mechanism.outputs.iter().find(|known| known.name == output) {
         return output.unit.to_string();
+    }
+    if let Some(state) = mechanism.coordinates.iter().find(|known| known.state() == Some(name)) {
+        return si(state).to_owned();
     }
     let coordinate = name.strip_suffix('\'').unwrap_or(name);
     let Some(found) = mechanism.coordinates.iter().find(|known| known.name == coordinate) else { return String::new() };

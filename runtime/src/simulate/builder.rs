@@ -102,7 +102,8 @@ impl<S: System> Simulation<S> {
         self
     }
 
-    /// Generalized coordinates and their rates at the start, SI; where there are constraints all of them are held.
+    /// Generalized coordinates and their rates at the start, SI; where there are constraints all of them are held.  States of first order are
+    /// the last of the rates, in file order, and each has a number among the coordinates that means nothing.
     pub fn start(mut self, q: &[f64], v: &[f64]) -> Self {
         self.settings.q = q.to_vec();
         self.settings.v = v.to_vec();
@@ -111,25 +112,24 @@ impl<S: System> Simulation<S> {
         self
     }
 
-    /// One coordinate, or one rate (`theta'`), at the start, SI.
+    /// One coordinate, one rate (`theta'`) or one state of first order at the start, SI.
     pub fn starting(mut self, name: &str, value: f64) -> Self {
         let Settings { q, v, held_q, held_v, .. } = &mut self.settings;
-        let (list, held, coordinate, first) = match name.strip_suffix('\'') {
-            Some(coordinate) => (v, held_v, coordinate, self.system.len()),
-            None => (q, held_q, name, 0),
+        let (description, n) = (self.system.description(), self.system.len());
+        let place = description.place_of(name);
+        let (list, held, index) = match place {
+            Some(place) if place >= n => (v, held_v, Some(place - n)),
+            _ => (q, held_q, place),
         };
-        let coordinates = &self.system.description().coordinates;
-        let index = coordinates.iter().position(|c| c.name == coordinate);
         match index.and_then(|index| Some((list.get_mut(index)?, held.get_mut(index)))) {
             Some((slot, held)) => {
                 *slot = value;
                 held.into_iter().for_each(|held| *held = true);
-                let place = index.map(|index| first + index);
                 place.and_then(|place| self.origin.given.get_mut(place)).into_iter().for_each(|given| *given = true);
                 self
             }
             None => {
-                let known = coordinates.iter().map(|c| c.name.to_string()).collect();
+                let known = description.start_names();
                 self.fail(Error::UnknownName { kind: "coordinate", name: name.to_owned(), known })
             }
         }

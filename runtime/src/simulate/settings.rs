@@ -220,7 +220,9 @@ impl Settings {
 
     /// What keeps the places and speeds of a mechanism from being moved in turn.
     pub(super) fn inseparable(&self, mechanism: &Description) -> Option<Inseparable> {
-        if !mechanism.structure.constant_mass {
+        if mechanism.has_states() {
+            Some(Inseparable::States)
+        } else if !mechanism.structure.constant_mass {
             Some(Inseparable::MassMatrix)
         } else if !mechanism.structure.separable {
             Some(Inseparable::Speeds)

@@ -88,17 +88,14 @@ impl<S: System> Simulation<S> {
 /// [`Error::UnknownName`].
 pub(crate) fn unknown(system: &dyn System, name: &str) -> Result<Unknown, Error> {
     let description = system.description();
-    let coordinates = description.coordinates.iter().map(|coordinate| coordinate.name.to_string());
-    let rates = description.coordinates.iter().map(|coordinate| format!("{}'", coordinate.name));
-    let mut starts = coordinates.chain(rates);
-    if let Some(place) = starts.position(|known| known == name) {
+    if let Some(place) = description.place_of(name) {
         return Ok(Unknown::Start(place));
     }
     if let Some(place) = description.parameters.iter().position(|parameter| parameter.name == name) {
         return Ok(Unknown::Parameter(place));
     }
     let parameters = description.parameters.iter().map(|parameter| parameter.name.to_string());
-    let coordinates = description.coordinates.iter().map(|coordinate| coordinate.name.to_string());
+    let coordinates = description.start_names().into_iter();
     Err(Error::UnknownName {
         kind: "coordinate, rate or parameter",
         name: name.to_owned(),

@@ -53,11 +53,11 @@ pub(crate) fn energies(model: &mut Model, dynamics: &Dynamics) -> Energies {
     jacobi = graph.sub(jacobi, kinetic);
     jacobi = graph.add(jacobi, potential);
 
-    // Explicit time, through t itself and through inputs.
+    // Explicit time, through t itself, inputs and states of first order.
     let lagrangian = graph.sub(potential, kinetic);
     let mut power = Forward::new(|g: &mut Graph, s| match s {
         Symbol::Time => Id::ONE,
-        Symbol::Input(..) => s.rate().map_or(Id::ZERO, |r| g.symbol(r)),
+        Symbol::Input(..) | Symbol::State(_) => s.rate().map_or(Id::ZERO, |r| g.symbol(r)),
         _ => Id::ZERO,
     })
     .of(graph, lagrangian);

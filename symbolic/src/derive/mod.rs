@@ -9,12 +9,14 @@
 //! 6. Constraints, differentiated as often as accelerations need: look in `constraints`; integrals of those that contain
 //!    speeds, where they can be written down: look in `integrals`, of combinations of them in `combined`.  Forces on bodies
 //!    of mass 0 balance, which is a constraint too: look in `massless`.
+//! 7. States of first order become the speeds of hidden coordinates: look in `hidden`.
 //!
 //! Every derivation gives the same [`Equations`]; `gate` compares them, `lower` picks the cheapest.
 
 pub(crate) mod branches;
 mod combined;
 mod constraints;
+mod hidden;
 mod integrals;
 pub(crate) mod lagrange;
 mod massless;
@@ -106,7 +108,7 @@ pub fn derive(mut model: Model) -> Result<Derivation, Vec<Problem>> {
     if model.graph.overflowed() {
         return Err(vec![too_large()]);
     }
-    let (lagrange, momenta) = lagrange::equations(&mut model.graph, &dynamics);
+    let (lagrange, mut momenta) = lagrange::equations(&mut model.graph, &dynamics);
     let mut equations = vec![lagrange];
     if model.graph.overflowed() {
         return Err(vec![too_large()]);
@@ -114,13 +116,15 @@ pub fn derive(mut model: Model) -> Result<Derivation, Vec<Problem>> {
     if !dynamics.bodies.is_empty() {
         equations.push(virtual_power::equations(&mut model.graph, &dynamics));
     }
-    let energies = lagrange::energies(&mut model, &dynamics);
-    let (switches, signals) = (dynamics.switches, dynamics.signals);
+    let mut energies = lagrange::energies(&mut model, &dynamics);
+    let (mut switches, signals, state_rates) = (dynamics.switches, dynamics.signals, dynamics.state_rates);
     if model.graph.overflowed() {
         return Err(vec![too_large()]);
     }
+    hidden::append(&mut model, &state_rates, &mut equations, &mut momenta);
     massless::balance(&mut model, &equations[0]);
     let rows = Rows::of(&mut model);
+    hidden::put_in(&mut model, &state_rates, &mut equations, &mut momenta, &mut energies, &mut switches);
     let momentum = momentum::systems(&mut model, &rows, &switches);
     if model.graph.overflowed() {
         return Err(vec![too_large()]);
@@ -154,6 +158,8 @@ pub(crate) struct Dynamics {
     pub pushes: Vec<Acting>,
     /// Generalized forces as written.
     pub generalized: Vec<(usize, Id)>,
+    /// Rates of states of first order.
+    pub state_rates: Vec<Id>,
     /// Inputs as functions of time, (u, u', u'').
     pub signals: Vec<[Id; 3]>,
     /// Discontinuities.
@@ -199,6 +205,7 @@ impl Dynamics {
             }
         }
         roots.extend(model.generalized_forces.iter().map(|f| f.force));
+        roots.extend(model.states.iter().map(|state| state.rate));
         roots.extend(model.inputs.iter().map(|input| input.signal[0]));
         let graph = &mut model.graph;
         let roots = canonical_sums(graph, &roots);
@@ -245,6 +252,7 @@ impl Dynamics {
             }
         }
         let generalized = model.generalized_forces.iter().map(|f| (f.coordinate, take())).collect();
+        let state_rates = model.states.iter().map(|_| take()).collect();
         let values: Vec<Id> = model.inputs.iter().map(|_| take()).collect();
         let first = rates(graph, &values);
         let second = rates(graph, &first);
@@ -259,6 +267,7 @@ impl Dynamics {
             resistances,
             pushes,
             generalized,
+            state_rates,
             signals,
             switches,
         }
@@ -314,6 +323,7 @@ fn first_beyond(model: &Model) -> Place {
     let points = |load: &Load| load.pushes.iter().flat_map(|push| push.at.clone()).chain(load.expressions()).collect();
     entries.extend(model.loads.iter().map(|load| (load.place.clone(), points(load))));
     entries.extend(model.generalized_forces.iter().map(|f| (f.place.clone(), vec![f.force])));
+    entries.extend(model.states.iter().map(|state| (state.place.clone(), vec![state.rate])));
     entries.extend(model.inputs.iter().map(|input| raw("inputs", input.signal[0])));
     let (places, groups): (Vec<Place>, Vec<Vec<Id>>) = entries.into_iter().unzip();
     let first = switches::beyond_limit(&model.graph, groups);

@@ -11,6 +11,10 @@ pub enum Symbol {
     Speed(u32),
     /// Its second rate q''_i.
     Acceleration(u32),
+    /// A state of first order z_j, by its place among the states; none is left once equations are derived.
+    State(u32),
+    /// Its rate z'_j, which is what the model says.
+    StateRate(u32),
     /// An input u_k, or its derivative of the given order.
     Input(u32, u8),
     /// A free parameter, by its place among all expanded free parameters.
@@ -28,11 +32,12 @@ pub enum Symbol {
 }
 
 impl Symbol {
-    /// The symbol's total time derivative, where that is again a symbol: q → q' → q'', u → u' → ….
+    /// The symbol's total time derivative, where that is again a symbol: q → q' → q'', z → z', u → u' → ….
     pub fn rate(self) -> Option<Symbol> {
         match self {
             Symbol::Coordinate(i) => Some(Symbol::Speed(i)),
             Symbol::Speed(i) => Some(Symbol::Acceleration(i)),
+            Symbol::State(j) => Some(Symbol::StateRate(j)),
             Symbol::Input(k, order) => Some(Symbol::Input(k, order.saturating_add(1))),
             _ => None,
         }

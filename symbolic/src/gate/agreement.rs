@@ -11,7 +11,7 @@ use crate::derive::{Equations, Rows, RowsAgain};
 use crate::diagnose::catalogue::verdicts;
 use crate::diagnose::{Place, Problem};
 use crate::expr::{Graph, Id, Measured, Symbol, Tape};
-use crate::model::Model;
+use crate::model::{Model, rate_name};
 use crate::number::DoubleDouble;
 
 /// Compares every further route with the first.
@@ -34,8 +34,15 @@ pub(super) fn agreement(
             pairs.extend((0..n).map(|i| (i, first.bias[i], route.bias[i])));
             pairs.extend(entries(first, route));
         }
-        let name =
-            |i: usize| (Place::default().key("bodies"), format!("the acceleration of `{}`", model.coordinates[i].name));
+        let name = |i: usize| {
+            (Place::default().key("bodies"), {
+                let coordinate = &model.coordinates[i];
+                match coordinate.is_hidden() {
+                    true => format!("the rate `{}`", rate_name(&coordinate.name, 2)),
+                    false => format!("the acceleration of `{}`", coordinate.name),
+                }
+            })
+        };
         let worst = compare(model, (&pairs, &name), states, gate)?;
         if k > 0 {
             let between = (equations[0].name.to_owned(), route.name.to_owned());

@@ -15,7 +15,7 @@ use crate::derive::momentum::Momentum;
 use crate::diagnose::Problem;
 use crate::diagnose::catalogue::verdicts;
 use crate::expr::{Graph, Id, Symbol, jacobian};
-use crate::model::{Balance, BalanceSystem, Model};
+use crate::model::{Balance, BalanceSystem, Model, rate_name};
 
 /// Compares every system at every state.
 pub(super) fn agree(
@@ -190,7 +190,7 @@ fn disagreement(
     let coordinate = (0..n).filter(|_| solution.len() >= n).max_by(|a, b| gap(a).total_cmp(&gap(b)));
     match coordinate {
         Some(i) => {
-            let name = &model.coordinates[i].name;
+            let name = rate_name(&model.coordinates[i].name, 2);
             let [balances, lagrange] = [solution[i].value, state.a[i].value].map(|x| number(x.to_f64()));
             verdicts::balances_disagree(place, &system.name, name, balances, lagrange, worst, help)
         }

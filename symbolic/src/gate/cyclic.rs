@@ -15,6 +15,9 @@ pub(super) fn cyclic(model: &mut Model, states: &[State], momenta: &[(Id, Id)]) 
         }
     }
     let constant = |s: Symbol| matches!(s, Symbol::Parameter(_));
+    let of_states = model.graph.symbols(model.states.iter().map(|state| state.rate));
+    // What a state's law reads is needed, though its momentum is conserved.
+    still.iter_mut().enumerate().for_each(|(i, still)| *still &= !of_states.contains(&Symbol::Coordinate(i as u32)));
     let mut found = Vec::new();
     for (i, &(momentum, _)) in momenta.iter().enumerate().filter(|(i, _)| still[*i]) {
         let expanded = expand(&mut model.graph, &[momentum], constant, Angles::Shorter);

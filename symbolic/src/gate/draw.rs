@@ -4,7 +4,7 @@ use super::motion::Motion;
 use super::state::{Origin, State};
 use super::trajectory::Trajectory;
 use crate::expr::{Id, Symbol, Tape};
-use crate::language::parse_unit;
+use crate::language::{BASES, parse_unit};
 use crate::model::{Model, Rotation};
 use crate::number::DoubleDouble;
 use crate::random::Random;
@@ -179,7 +179,7 @@ impl<'a> Draws<'a> {
     }
 
     fn is_angle(&self, i: usize) -> bool {
-        dimension(self.model.coordinates[i].unit.as_deref()) == Some([0; 3])
+        dimension(self.model.coordinates[i].unit.as_deref()) == Some([0; BASES])
     }
 
     /// √(s |a|), what a fall from rest over the distance s gives each coordinate.
@@ -267,8 +267,8 @@ fn pick(random: &mut Random, scales: &[f64]) -> f64 {
     scales.get(k).copied().unwrap_or(1.0)
 }
 
-/// Exponents of kg, m, s of a unit as written, in halves.
-fn dimension(unit: Option<&str>) -> Option<[i8; 3]> {
+/// Exponents of kg, m, s, A, K of a unit as written, in halves.
+fn dimension(unit: Option<&str>) -> Option<[i8; BASES]> {
     Some(parse_unit(unit?).ok()?.dimension)
 }
 
@@ -276,14 +276,14 @@ impl Scales {
     /// From the scenes' starts, their coarse runs, and parameters of the same unit.
     fn of(model: &Model, trajectories: &[Trajectory]) -> Scales {
         let n = model.coordinates.len();
-        let parameters: Vec<(Option<[i8; 3]>, f64)> =
+        let parameters: Vec<(Option<[i8; BASES]>, f64)> =
             model.parameters.iter().map(|p| (dimension(p.unit.as_deref()), p.default.abs())).collect();
         let mut scales = Scales { q: Vec::with_capacity(n), v: Vec::with_capacity(n) };
         for (i, coordinate) in model.coordinates.iter().enumerate() {
             let unit = dimension(coordinate.unit.as_deref());
-            let rate = unit.map(|[kg, m, s]| [kg, m, s.wrapping_sub(2)]);
-            let alike = |unit: Option<[i8; 3]>| {
-                let same = parameters.iter().filter(move |p| unit.is_some() && unit != Some([0; 3]) && p.0 == unit);
+            let rate = unit.map(|[kg, m, s, ampere, kelvin]| [kg, m, s.wrapping_sub(2), ampere, kelvin]);
+            let alike = |unit: Option<[i8; BASES]>| {
+                let same = parameters.iter().filter(move |p| unit.is_some() && unit != Some([0; BASES]) && p.0 == unit);
                 same.map(|p| p.1)
             };
             let seen = |speed: bool| {
@@ -295,7 +295,7 @@ impl Scales {
             };
             let mut q: Vec<f64> = seen(false).chain(alike(unit)).collect();
             let mut v: Vec<f64> = seen(true).chain(alike(rate)).collect();
-            if unit == Some([0; 3]) {
+            if unit == Some([0; BASES]) {
                 q.push(1.0);
             }
             distinct(&mut q);

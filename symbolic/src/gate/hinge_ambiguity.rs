@@ -10,7 +10,7 @@ use crate::derive::momentum::unknowns;
 use crate::diagnose::Problem;
 use crate::diagnose::catalogue::mechanics;
 use crate::expr::{Measured, Symbol, Tape};
-use crate::model::{Model, SharedEnd};
+use crate::model::{Model, SharedEnd, rate_name};
 
 /// An error for every end whose body must be named.
 pub(super) fn ambiguous(model: &mut Model, states: &[State]) -> Vec<Problem> {
@@ -87,7 +87,7 @@ fn unknown(model: &Model, symbol: Symbol) -> String {
             let component = |first: u32| [".x", ".y", ".z"].get((k - first) as usize).copied().unwrap_or("");
             owner.map_or(String::new(), |r| format!("`{}{}`", r.name, if r.scalar { "" } else { component(r.first) }))
         }
-        Symbol::Acceleration(i) => format!("`{}''`", model.coordinates[i as usize].name),
+        Symbol::Acceleration(i) => format!("`{}`", rate_name(&model.coordinates[i as usize].name, 2)),
         _ => String::new(),
     }
 }

@@ -25,7 +25,7 @@ pub(super) fn lengths(model: &Model, motion: &Motion, states: &[State]) -> Resul
             if change > UNCHANGED {
                 let what = match (0..4).map(|k| rotation.first + k).find(|k| *k == coordinate) {
                     Some(_) => format!("the angular acceleration of `{}`", rotation.name),
-                    None => format!("`{}''`", model.coordinates[coordinate].name),
+                    None => format!("`{}`", crate::model::rate_name(&model.coordinates[coordinate].name, 2)),
                 };
                 let (name, state) = (&rotation.name, describe(model, state));
                 return Err(verdicts::length_matters(rotation.place.clone(), name, what, state).into());

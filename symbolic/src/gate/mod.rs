@@ -71,7 +71,7 @@ use crate::diagnose::catalogue::{mechanics, verdicts};
 use crate::diagnose::{Place, Problem};
 use crate::expr::Id;
 use crate::model::command::evaluate;
-use crate::model::{Load, Model, Sample, Work};
+use crate::model::{Load, Model, Sample, Work, rate_name};
 use crate::number::DoubleDouble;
 
 pub use common_inputs::shared_data;
@@ -146,9 +146,14 @@ impl Gate {
         let constrained = !derivation.rows.is_empty();
         let Derivation { model, momenta, rows, .. } = &mut derivation;
         let states = inputs::arbitrary(model, rows, &report.states);
+        let mechanical = model.mechanical();
+        let momenta = &momenta[..mechanical];
         let cyclic = if constrained { Vec::new() } else { cyclic::cyclic(model, &states, momenta) };
-        let directions =
-            if constrained { Vec::new() } else { directions::directions(model, &states, momenta, &cyclic) };
+        let directions = if constrained || mechanical < model.coordinates.len() {
+            Vec::new()
+        } else {
+            directions::directions(model, &states, momenta, &cyclic)
+        };
         Ok(Judged { derivation, cyclic, directions, report })
     }
 
@@ -282,9 +287,8 @@ fn left_out_by_sample(model: &Model) -> Option<String> {
     let parameters: Vec<f64> = model.parameters.iter().map(|p| p.default).collect();
     let range = |sample: &Sample| {
         let [low, high] = [sample.low, sample.high].map(|end| evaluate(&model.graph, end, &parameters));
-        let prime = if sample.speed { "'" } else { "" };
-        let name = &model.coordinates[sample.coordinate].name;
-        Some(format!("{name}{prime} from {} to {}", low?, high?))
+        let name = rate_name(&model.coordinates[sample.coordinate].name, usize::from(sample.speed));
+        Some(format!("{name} from {} to {}", low?, high?))
     };
     let ranges: Vec<String> = model.sample.iter().filter_map(range).collect();
     (!ranges.is_empty()).then(|| format!("`sample` leaves out all states but those with {}", listed(&ranges)))

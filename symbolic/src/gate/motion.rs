@@ -483,6 +483,8 @@ impl Point {
             Symbol::Parameter(i) => at(&self.parameters, i),
             Symbol::Mode(k) => at(&self.modes, k),
             Symbol::Phase(k) => f64::from(u8::from(k as usize == self.phase)),
+            // Derivations leave none of these in what is followed.
+            Symbol::State(_) | Symbol::StateRate(_) => 0.0,
             Symbol::Acceleration(_) | Symbol::Reaction(_) | Symbol::Multiplier(_) | Symbol::Dummy(_) => 0.0,
         }
     }

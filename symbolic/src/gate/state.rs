@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::expr::{Measured, Symbol};
-use crate::model::Model;
+use crate::model::{Model, rate_name};
 use crate::number::DoubleDouble;
 
 /// Parameters, a time and a state of motion.
@@ -93,7 +93,7 @@ impl State {
             Symbol::Mode(k) => float(&self.modes, k),
             Symbol::Multiplier(k) => self.lambda.get(k as usize).map_or(DoubleDouble::ZERO, |l| l.value),
             Symbol::Phase(k) => DoubleDouble::from(if k as usize == self.phase { 1.0 } else { 0.0 }),
-            Symbol::Reaction(_) | Symbol::Dummy(_) => DoubleDouble::ZERO,
+            Symbol::Reaction(_) | Symbol::Dummy(_) | Symbol::State(_) | Symbol::StateRate(_) => DoubleDouble::ZERO,
         }
     }
 
@@ -118,7 +118,10 @@ pub(super) fn describe(model: &Model, state: &State) -> String {
     for (k, c) in model.coordinates.iter().enumerate().take(SHOWN) {
         let (q, v) = (state.q[k].to_f64(), state.v[k].to_f64());
         // Writing to a String cannot fail.
-        let _ = write!(words, ", {} = {}, {}' = {}", c.name, short(q), c.name, short(v));
+        if !c.is_hidden() {
+            let _ = write!(words, ", {} = {}", c.name, short(q));
+        }
+        let _ = write!(words, ", {} = {}", rate_name(&c.name, 1), short(v));
     }
     if model.coordinates.len() > SHOWN {
         words.push_str(", …");

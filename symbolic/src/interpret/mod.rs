@@ -247,7 +247,7 @@ impl Interpreter {
             Symbol::Mode(k) => get(&self.modes, k),
             Symbol::Multiplier(k) => get(at.l, k),
             Symbol::Phase(k) => get(&self.phases, k),
-            Symbol::Reaction(_) | Symbol::Dummy(_) => f64::NAN,
+            Symbol::Reaction(_) | Symbol::Dummy(_) | Symbol::State(_) | Symbol::StateRate(_) => f64::NAN,
         }
     }
 }

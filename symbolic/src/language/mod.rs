@@ -16,7 +16,7 @@ pub use ast::{Ast, AstKind, Key, KeyIndex, Operator, Range, Valued};
 pub use function::{FUNCTIONS, Function, RESERVED, function, is_reserved};
 pub use key::parse_key;
 pub use parse::{DEEPEST, parse, parse_bounds, parse_equation};
-pub use unit::{Unit, parse_unit};
+pub use unit::{BASES, Unit, parse_unit};
 pub use value::parse_value_with_unit;
 
 pub use crate::place::Span;

@@ -4,6 +4,9 @@ use super::token::{Kind, Token, shorten, tokens};
 use crate::diagnose::{Problem, catalogue::syntax, nearest};
 use crate::number::{DoubleDouble, Number, Rational};
 
+/// How many base units there are: kg, m, s, A, K.
+pub const BASES: usize = 5;
+
 /// A unit as a factor to SI and a dimension.
 ///
 /// A value of x units is x · `scale` · π^`pi` in SI; only `deg` (π/180) brings in π.
@@ -13,13 +16,13 @@ pub struct Unit {
     pub scale: Rational,
     /// Power of π.
     pub pi: i8,
-    /// Exponents of kg, m, s, in halves: N/m^1.5 is a unit too.
-    pub dimension: [i8; 3],
+    /// Exponents of kg, m, s, A, K, in halves: N/m^1.5 is a unit too.
+    pub dimension: [i8; BASES],
 }
 
 impl Unit {
     /// The pure number 1.
-    pub const ONE: Unit = Unit { scale: Rational::ONE, pi: 0, dimension: [0; 3] };
+    pub const ONE: Unit = Unit { scale: Rational::ONE, pi: 0, dimension: [0; BASES] };
 
     /// The factor to SI.
     pub fn factor(&self) -> Number {
@@ -34,7 +37,7 @@ impl Unit {
     }
 
     fn multiply(self, other: Unit) -> Option<Unit> {
-        let mut dimension = [0; 3];
+        let mut dimension = [0; BASES];
         for (sum, (a, b)) in dimension.iter_mut().zip(self.dimension.into_iter().zip(other.dimension)) {
             *sum = a.checked_add(b)?;
         }
@@ -203,27 +206,39 @@ fn too_large(at: Token<'_>) -> Vec<Problem> {
     vec![syntax::bad_unit(at.span.place(), at.text, "a unit within reach of exact numbers")]
 }
 
-/// Name, numerator and denominator of the factor to SI, power of π, exponents of kg, m, s, whether it takes prefixes.
-type Row = (&'static str, i128, i128, i8, [i8; 3], bool);
+/// Name, numerator and denominator of the factor to SI, power of π, exponents of kg, m, s, A, K, whether it takes prefixes.
+type Row = (&'static str, i128, i128, i8, [i8; BASES], bool);
 
 const UNITS: &[Row] = &[
-    ("g", 1, 1000, 0, [1, 0, 0], true),
-    ("m", 1, 1, 0, [0, 1, 0], true),
-    ("s", 1, 1, 0, [0, 0, 1], true),
-    ("rad", 1, 1, 0, [0, 0, 0], true),
-    ("deg", 1, 180, 1, [0, 0, 0], false),
-    ("N", 1, 1, 0, [1, 1, -2], true),
-    ("J", 1, 1, 0, [1, 2, -2], true),
-    ("W", 1, 1, 0, [1, 2, -3], true),
-    ("Pa", 1, 1, 0, [1, -1, -2], true),
-    ("Hz", 1, 1, 0, [0, 0, -1], true),
-    ("min", 60, 1, 0, [0, 0, 1], false),
-    ("h", 3600, 1, 0, [0, 0, 1], false),
-    ("rpm", 1, 30, 1, [0, 0, -1], false),
-    ("in", 254, 10_000, 0, [0, 1, 0], false),
-    ("ft", 3048, 10_000, 0, [0, 1, 0], false),
-    ("lb", 45_359_237, 100_000_000, 0, [1, 0, 0], false),
-    ("lbf", 44_482_216_152_605, 10_000_000_000_000, 0, [1, 1, -2], false),
+    ("g", 1, 1000, 0, [1, 0, 0, 0, 0], true),
+    ("m", 1, 1, 0, [0, 1, 0, 0, 0], true),
+    ("s", 1, 1, 0, [0, 0, 1, 0, 0], true),
+    ("rad", 1, 1, 0, [0, 0, 0, 0, 0], true),
+    ("deg", 1, 180, 1, [0, 0, 0, 0, 0], false),
+    ("N", 1, 1, 0, [1, 1, -2, 0, 0], true),
+    ("J", 1, 1, 0, [1, 2, -2, 0, 0], true),
+    ("W", 1, 1, 0, [1, 2, -3, 0, 0], true),
+    ("Pa", 1, 1, 0, [1, -1, -2, 0, 0], true),
+    ("Hz", 1, 1, 0, [0, 0, -1, 0, 0], true),
+    ("min", 60, 1, 0, [0, 0, 1, 0, 0], false),
+    ("h", 3600, 1, 0, [0, 0, 1, 0, 0], false),
+    ("rpm", 1, 30, 1, [0, 0, -1, 0, 0], false),
+    ("in", 254, 10_000, 0, [0, 1, 0, 0, 0], false),
+    ("ft", 3048, 10_000, 0, [0, 1, 0, 0, 0], false),
+    ("lb", 45_359_237, 100_000_000, 0, [1, 0, 0, 0, 0], false),
+    ("lbf", 44_482_216_152_605, 10_000_000_000_000, 0, [1, 1, -2, 0, 0], false),
+    ("A", 1, 1, 0, [0, 0, 0, 1, 0], true),
+    ("K", 1, 1, 0, [0, 0, 0, 0, 1], true),
+    ("V", 1, 1, 0, [1, 2, -3, -1, 0], true),
+    ("ohm", 1, 1, 0, [1, 2, -3, -2, 0], true),
+    // The Greek letter, and the sign that some keyboards have.
+    ("Ω", 1, 1, 0, [1, 2, -3, -2, 0], true),
+    ("\u{2126}", 1, 1, 0, [1, 2, -3, -2, 0], true),
+    ("H", 1, 1, 0, [1, 2, -2, -2, 0], true),
+    ("F", 1, 1, 0, [-1, -2, 4, 2, 0], true),
+    ("C", 1, 1, 0, [0, 0, 1, 1, 0], true),
+    ("Wb", 1, 1, 0, [1, 2, -2, -1, 0], true),
+    ("T", 1, 1, 0, [1, 0, -2, -1, 0], true),
 ];
 
 /// SI prefixes and their powers of ten.
@@ -266,7 +281,8 @@ fn help(name: &str) -> String {
     match meant.or_else(|| nearest(name, COMMON.iter().copied())) {
         Some(unit) => format!("did you mean `{unit}`?"),
         None => {
-            "units are `kg m s rad N J W Pa Hz g` with SI prefixes, `deg min h rpm in ft lb lbf`, and `1`".to_owned()
+            "units are `kg m s rad N J W Pa Hz g A K V ohm H F C Wb T` with SI prefixes, `deg min h rpm in ft lb lbf`, and `1`"
+                .to_owned()
         }
     }
 }
@@ -304,10 +320,24 @@ const MEANT: &[(&str, &str)] = &[
     ("psi", "lbf/in^2"),
     ("bar", "kPa"),
     ("dps", "deg/s"),
+    ("amp", "A"),
+    ("ampere", "A"),
+    ("volt", "V"),
+    ("ohm", "ohm"),
+    ("ohms", "ohm"),
+    ("henry", "H"),
+    ("farad", "F"),
+    ("coulomb", "C"),
+    ("tesla", "T"),
+    ("kelvin", "K"),
+    // A temperature with another zero: write it in kelvin.
+    ("degC", "K"),
 ];
 
-const COMMON: &[&str] =
-    &["kg", "g", "m", "mm", "s", "ms", "min", "rad", "deg", "rpm", "N", "kN", "lbf", "J", "W", "Pa", "MPa", "Hz"];
+const COMMON: &[&str] = &[
+    "kg", "g", "m", "mm", "s", "ms", "min", "rad", "deg", "rpm", "N", "kN", "lbf", "J", "W", "Pa", "MPa", "Hz", "A",
+    "K", "V", "ohm",
+];
 
 #[cfg(test)]
 mod tests {
@@ -315,11 +345,38 @@ mod tests {
 
     fn unit(text: &str, n: i128, d: i128, dimension: [i8; 3]) {
         let found = parse_unit(text).unwrap_or_else(|problems| panic!("{text}: {problems:?}"));
-        assert_eq!(
-            found,
-            Unit { scale: Rational::new(n, d).unwrap(), pi: 0, dimension: dimension.map(|exponent| 2 * exponent) },
-            "{text}"
-        );
+        let [kg, m, s] = dimension.map(|exponent| 2 * exponent);
+        let expected = Unit { scale: Rational::new(n, d).unwrap(), pi: 0, dimension: [kg, m, s, 0, 0] };
+        assert_eq!(found, expected, "{text}");
+    }
+
+    #[test]
+    fn electric_and_thermal_units_follow_from_ampere_and_kelvin() {
+        // The SI brochure (2019), table 4.
+        for (a, b) in [
+            ("V", "W/A"),
+            ("ohm", "V/A"),
+            ("H", "V*s/A"),
+            ("F", "C/V"),
+            ("C", "A*s"),
+            ("Wb", "V*s"),
+            ("T", "Wb/m^2"),
+            ("J", "V*A*s"),
+            ("ohm*F", "s"),
+            ("H/ohm", "s"),
+            ("N*m/A", "V*s/rad"),
+            ("kΩ", "kohm"),
+            ("\u{2126}", "ohm"),
+            ("mK", "K/1*m/m*mm/m"),
+            ("uF", "µF"),
+        ] {
+            assert_eq!(parse_unit(a), parse_unit(b), "{a} {b}");
+        }
+        assert_eq!(parse_unit("K").unwrap().dimension, [0, 0, 0, 0, 2]);
+        assert_eq!(parse_unit("mT").unwrap().scale, Rational::new(1, 1000).unwrap());
+        for (text, meant) in [("Ohm", "ohm"), ("degC", "K"), ("volt", "V")] {
+            assert_eq!(parse_unit(text).unwrap_err()[0].help, format!("did you mean `{meant}`?"), "{text}");
+        }
     }
 
     #[test]
@@ -364,7 +421,7 @@ mod tests {
     fn exponents_may_be_halves() {
         for text in ["N/m^1.5", "N/m^(3/2)", "N*m^-1.5", "N*m^(-3/2)"] {
             let found = parse_unit(text).unwrap_or_else(|problems| panic!("{text}: {problems:?}"));
-            assert_eq!((found.scale, found.dimension), (Rational::ONE, [2, -1, -4]), "{text}");
+            assert_eq!((found.scale, found.dimension), (Rational::ONE, [2, -1, -4, 0, 0]), "{text}");
         }
         assert_eq!(parse_unit("kN/m^(4/2)"), parse_unit("kN/m^2"));
         assert_eq!(parse_unit("(km*m)^0.5").unwrap_err()[0].code, "E120");
@@ -375,7 +432,7 @@ mod tests {
     fn degrees_carry_pi() {
         let degrees = parse_unit("deg").unwrap();
         assert_eq!((degrees.pi, degrees.scale), (1, Rational::new(1, 180).unwrap()));
-        assert_eq!(parse_unit("deg/s").unwrap().dimension, [0, 0, -2]);
+        assert_eq!(parse_unit("deg/s").unwrap().dimension, [0, 0, -2, 0, 0]);
         assert!((parse_unit("1/deg").unwrap().factor().to_f64() - 57.295_779_513_082_32).abs() < 1e-13);
     }
 

@@ -239,7 +239,16 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
         &switches,
         &cyclic,
     );
-    let structure = Structure { directions, parts, ..structure };
+    // States of first order move with the speeds: places and speeds are not moved in turn.
+    let in_turn = model.states.is_empty();
+    let structure = Structure {
+        directions,
+        parts,
+        separable: structure.separable && in_turn,
+        uniformly_accelerated: structure.uniformly_accelerated && in_turn,
+        conservative: structure.conservative && n > model.states.len(),
+        ..structure
+    };
     let count = |roots: Vec<Id>| operations(graph, &roots);
     let values = |entries: &[Entry]| entries.iter().map(|e| e.2).collect::<Vec<_>>();
     let counts = Counts {

@@ -6,7 +6,7 @@ use super::gather::gather;
 use super::{Entry, gather_entries};
 use crate::derive::Momentum;
 use crate::expr::{Graph, Id, Symbol};
-use crate::model::{BalanceSystem, Model};
+use crate::model::{BalanceSystem, Model, rate_name};
 
 /// One system of balances.
 #[derive(Clone, Debug)]
@@ -106,7 +106,7 @@ fn equation_names(model: &Model, system: &BalanceSystem) -> Vec<(String, bool)> 
 }
 
 fn unknown_names(model: &Model, system: &BalanceSystem, unknowns: &[Symbol]) -> Vec<String> {
-    let mut names: Vec<String> = model.coordinates.iter().map(|c| format!("{}''", c.name)).collect();
+    let mut names: Vec<String> = model.coordinates.iter().map(|c| rate_name(&c.name, 2)).collect();
     for reaction in system.reactions.iter().map(|&k| &model.reactions[k]) {
         if reaction.scalar {
             names.push(reaction.name.clone());

@@ -97,8 +97,8 @@ pub(super) fn rows(graph: &Graph, constraints: &Constraints) -> Vec<Vec<usize>> 
     rows
 }
 
-/// The parts that can be computed by themselves; none where there are fewer than two or too many of them, where constraints or
-/// discontinuities act, where accelerations are not written out, or where a term of the energies or an event belongs to several.
+/// The parts that can be computed by themselves; none where there are fewer than two or too many of them, where constraints,
+/// discontinuities or states of first order act, where accelerations are not written out, or where a term of the energies or an event belongs to several.
 pub(super) fn computed_apart(program: &mut Program) -> Vec<Part> {
     let parts = std::mem::take(&mut program.structure.parts);
     let found = apart(program, &parts);
@@ -108,7 +108,7 @@ pub(super) fn computed_apart(program: &mut Program) -> Vec<Part> {
 
 fn apart(program: &mut Program, parts: &[Vec<usize>]) -> Option<Vec<Part>> {
     let Program { model, switches, constraints, residual, arguments, .. } = program;
-    let tied = !(switches.is_empty() && constraints.is_empty());
+    let tied = !(switches.is_empty() && constraints.is_empty() && model.states.is_empty());
     let Accelerations::Unrolled { values, pivots } = &program.accelerations else { return None };
     if tied || !(2..=MOST_PARTS).contains(&parts.len()) {
         return None;

@@ -12,7 +12,7 @@ use super::resolved::Model;
 use super::section::springs::LENGTH;
 use crate::diagnose::catalogue::{mechanics, names};
 use crate::diagnose::{Place, Problem};
-use crate::expr::{Binary, Graph, Id, Node, Symbol, Tape, Unary};
+use crate::expr::{Binary, Graph, Id, Node, Symbol, Tape, Unary, substitute};
 use crate::file;
 use crate::file::Text;
 use crate::language::parse;
@@ -61,11 +61,27 @@ impl Model {
         let mut builder = self.builder();
         let value = builder.value(&self.scope, &text, Rules::anything("an expression").numbers_fit(), locals);
         self.take_back(builder)?;
+        let value = self.without_state_rates(value);
         match value {
             Value::Scalar(x) => Ok(vec![x]),
             Value::Vector(v) => Ok(v),
             Value::Nothing | Value::Poison | Value::Orientation(_) => Ok(vec![Id::ZERO]),
         }
+    }
+
+    /// What the rates of states are in their place; the symbols of states themselves are the speeds of their coordinates here.
+    fn without_state_rates(&mut self, value: Value) -> Value {
+        if self.states.is_empty() {
+            return value;
+        }
+        let first = self.mechanical();
+        let place = |j: usize| (first + j) as u32;
+        let mut known = rustc_hash::FxHashMap::default();
+        for (j, state) in self.states.iter().enumerate() {
+            known.insert(Symbol::State(j as u32), self.graph.symbol(Symbol::Speed(place(j))));
+            known.insert(Symbol::StateRate(j as u32), state.rate);
+        }
+        value.map(|x| substitute(&mut self.graph, &[x], &known)[0])
     }
 
     /// The components of a law of a force or an energy, in which a spring's `length` may stand.
@@ -103,10 +119,16 @@ impl Model {
             Sets::Number => ("this option", Measure::ONE),
             Sets::Parameter(place) => ("this parameter", known(&units.parameters, place)),
             Sets::Coordinate(place) => ("this coordinate", known(&units.coordinates, place)),
+            Sets::Speed(place) if place >= self.mechanical() => {
+                ("this state", known(&units.states, place - self.mechanical()))
+            }
             Sets::Speed(place) => ("this velocity", units.rate(known(&units.coordinates, place))),
         };
         let words = match sets {
             Sets::Parameter(place) => self.parameters.get(place).and_then(|parameter| parameter.unit.as_deref()),
+            Sets::Speed(place) if place >= self.mechanical() => {
+                self.states.get(place - self.mechanical()).and_then(|state| state.unit.as_deref())
+            }
             Sets::Coordinate(place) | Sets::Speed(place) => {
                 self.coordinates.get(place).and_then(|coordinate| coordinate.unit.as_deref())
             }

@@ -1,6 +1,7 @@
 //! The model: names resolved, families expanded, every expression in the graph, units checked.
 
 pub(crate) mod command;
+mod every;
 mod expression;
 mod gimbals;
 mod identifier;
@@ -19,12 +20,12 @@ pub use motion::{Closes, Goal, Image, Motion};
 pub use resolve::{load, load_in, read_through, read_through_in, resolve};
 pub use resolved::{
     Balance, BalanceSystem, Body, Change, Check, Conserved, Constraint, Coordinate, Derived, Event, EventAction,
-    Family, GeneralizedForce, Input, Load, Model, Need, Output, Parameter, Part, Phase, Push, Reaction,
-    RotationCoordinate, Sample, Scene, Shape, SharedEnd, Solid, Tried, Vector, Work,
+    Family, GeneralizedForce, HIDDEN, Input, Load, Model, Need, Output, Parameter, Part, Phase, Push, Reaction,
+    RotationCoordinate, Sample, Scene, Shape, SharedEnd, Solid, StateOfFirstOrder, Tried, Vector, Work,
 };
 pub use rotation::{Orientation, Rotation, product};
 pub use section::inertia::{Impossible, impossible_moments, principal_moments};
 pub use section::scenes::looks_like_degrees;
 pub(crate) use section::springs::LENGTH;
 pub(crate) use text::text_in;
-pub use text::{number_text, symbol_text, text};
+pub use text::{number_text, rate_name, symbol_text, text};

@@ -13,13 +13,14 @@ use crate::diagnose::{Place, Problem, Step};
 use crate::file::{Node, Spot};
 
 /// Every key that a model file may have.
-const KEYS: [&str; 32] = [
+const KEYS: [&str; 33] = [
     "name",
     "about",
     "sizes",
     "tables",
     "parameters",
     "coordinates",
+    "states",
     "inputs",
     "define",
     "frames",
@@ -77,6 +78,7 @@ fn resolve_through(root: &Node, sizes: &[(String, i64)], folder: Option<&Path>) 
     let derived = resolver.parameters();
     resolver.tables();
     resolver.coordinates();
+    let states = resolver.states();
     resolver.inputs();
     resolver.definitions();
     resolver.frames();
@@ -96,6 +98,7 @@ fn resolve_through(root: &Node, sizes: &[(String, i64)], folder: Option<&Path>) 
     resolve_values(&mut resolver.builder, &mut resolver.scope, &items);
     resolver.finish_derived(derived);
     resolver.finish_inputs();
+    resolver.finish_states(&states);
     resolver.finish_constraints(constraints);
     // 3. Where runs start; look in `scenes.rs`.
     let held = resolver.scenes();
@@ -196,7 +199,7 @@ impl Resolver<'_> {
         {
             words.clone_into(&mut self.model.about);
         }
-        if root.get("coordinates").is_none() && !root.misspelt(problems) {
+        if root.get("coordinates").is_none() && root.get("states").is_none() && !root.misspelt(problems) {
             problems.push(crate::diagnose::catalogue::mechanics::no_coordinates(Place::default()));
         }
     }
@@ -225,6 +228,7 @@ impl Resolver<'_> {
         self.model.integrals = self.builder.integrals;
         self.model.graph = self.builder.graph;
         self.model.scope = self.scope;
+        super::section::states::put_in(&mut self.model);
         (Some(self.model), problems)
     }
 }

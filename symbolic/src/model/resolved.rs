@@ -45,8 +45,10 @@ pub struct Model {
     pub parameters: Vec<Parameter>,
     /// Derived parameters, families expanded.
     pub derived: Vec<Derived>,
-    /// Generalized coordinates, families expanded.
+    /// Generalized coordinates, families expanded; then a hidden one for each state, whose speed the state is.
     pub coordinates: Vec<Coordinate>,
+    /// States of first order, families expanded.
+    pub states: Vec<StateOfFirstOrder>,
     /// Inputs.
     pub inputs: Vec<Input>,
     /// Bodies.
@@ -105,7 +107,34 @@ pub struct Model {
     pub(crate) scope: Scope,
 }
 
+/// What the name of a state's hidden coordinate begins with, which no name of a file does: `∫i` is the integral of `i`.
+pub const HIDDEN: char = '∫';
+
+/// A state of first order: what `states` declares.
+#[derive(Clone, Debug)]
+pub struct StateOfFirstOrder {
+    /// Its expanded name.
+    pub name: String,
+    /// Its unit as written.
+    pub unit: Option<String>,
+    /// Its rate, of time, inputs, coordinates, speeds and states.
+    pub rate: Id,
+    /// Where it is declared.
+    pub place: Place,
+}
+
 impl Model {
+    /// The unit of each coordinate as written; of a hidden one that of its state.
+    pub fn units_of_coordinates(&self) -> impl Iterator<Item = &Option<String>> {
+        let own = self.coordinates[..self.mechanical()].iter().map(|c| &c.unit);
+        own.chain(self.states.iter().map(|state| &state.unit))
+    }
+
+    /// How many coordinates the file declares: those of states follow.
+    pub fn mechanical(&self) -> usize {
+        self.coordinates.len() - self.states.len()
+    }
+
     /// Where three angles that turn a body cannot turn it in every direction.
     pub fn gimbals(&self) -> Vec<Gimbal> {
         let mut found: Vec<Gimbal> = Vec::new();
@@ -182,12 +211,19 @@ pub struct Derived {
 /// A generalized coordinate.
 #[derive(Clone, Debug)]
 pub struct Coordinate {
-    /// Its expanded name, `theta[3]`.
+    /// Its expanded name, `theta[3]`; that of a state begins with [`HIDDEN`].
     pub name: String,
     /// Its unit as written.
     pub unit: Option<String>,
     /// Where it is declared.
     pub place: Place,
+}
+
+impl Coordinate {
+    /// Whether it is that of a state of first order.
+    pub fn is_hidden(&self) -> bool {
+        self.name.starts_with(HIDDEN)
+    }
 }
 
 /// A coordinate of kind `rotation`: four numbers, of which the quotients matter.

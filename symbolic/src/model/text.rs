@@ -1,6 +1,7 @@
 //! Expressions as text in the model language.
 
 use super::Model;
+use super::resolved::HIDDEN;
 use crate::expr::{Binary, DoubleDouble, Graph, Id, Node, Number, Symbol, Unary};
 
 /// An expression as a person would write it; parts beyond some 200 nodes become `…`.
@@ -101,8 +102,10 @@ pub fn symbol_text(model: &Model, symbol: Symbol) -> String {
     match symbol {
         Symbol::Time => "t".to_owned(),
         Symbol::Coordinate(i) => coordinate(i),
-        Symbol::Speed(i) => format!("{}'", coordinate(i)),
-        Symbol::Acceleration(i) => format!("{}''", coordinate(i)),
+        Symbol::Speed(i) => rate_name(&coordinate(i), 1),
+        Symbol::Acceleration(i) => rate_name(&coordinate(i), 2),
+        Symbol::State(j) => name(model.states.get(j as usize).map(|z| z.name.as_str())),
+        Symbol::StateRate(j) => format!("{}'", name(model.states.get(j as usize).map(|z| z.name.as_str()))),
         Symbol::Input(k, order) => {
             let primes = "'".repeat(usize::from(order));
             format!("{}{primes}", name(model.inputs.get(k as usize).map(|u| u.name.as_str())))
@@ -113,6 +116,14 @@ pub fn symbol_text(model: &Model, symbol: Symbol) -> String {
         Symbol::Multiplier(k) => multiplier(model, k as usize),
         Symbol::Phase(k) => format!("(in {})", name(model.phases.get(k as usize).map(|phase| phase.name.as_str()))),
         Symbol::Dummy(_) => "length".to_owned(),
+    }
+}
+
+/// A rate of a coordinate by its name in the file: `theta'`, `theta''`; that of the hidden coordinate of a state `i` is `i`, `i'`.
+pub fn rate_name(coordinate: &str, order: usize) -> String {
+    match coordinate.strip_prefix(HIDDEN) {
+        Some(state) => format!("{state}{}", "'".repeat(order.saturating_sub(1))),
+        None => format!("{coordinate}{}", "'".repeat(order)),
     }
 }
 

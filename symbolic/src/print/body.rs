@@ -207,7 +207,7 @@ impl Bodies<'_> {
                     reads.constants = true;
                     continue;
                 }
-                Symbol::Reaction(_) | Symbol::Dummy(_) => continue,
+                Symbol::Reaction(_) | Symbol::Dummy(_) | Symbol::State(_) | Symbol::StateRate(_) => continue,
             };
             let names = &self.names;
             let name = if order == 3 { &names.multipliers[k as usize] } else { &names.coordinates[k as usize][order] };
@@ -233,7 +233,7 @@ impl Bodies<'_> {
             Symbol::Acceleration(i) => coordinate(i, 2),
             Symbol::Input(k, order) => format!("u[{}]", 3 * k + u32::from(order)),
             Symbol::Multiplier(k) => self.names.multipliers[k as usize].clone(),
-            // Derivations leave neither reactions nor dummies in what is printed.
+            // Derivations leave neither reactions nor dummies nor symbols of states in what is printed.
             _ => "S::ratio(0.0, 1.0)".to_owned(),
         }
     }

@@ -26,7 +26,8 @@ pub(super) fn description(program: &Program, source: &str) -> String {
             model
                 .coordinates
                 .iter()
-                .map(|c| format!("mechanism::Coordinate {{ name: {}, unit: {} }}", string(&c.name), unit(&c.unit))),
+                .zip(model.units_of_coordinates())
+                .map(|(c, of)| format!("mechanism::Coordinate {{ name: {}, unit: {} }}", string(&c.name), unit(of))),
         ),
     );
     field("rotations", list(model.rotations.iter().map(|rotation| rotation.first.to_string())));

@@ -46,6 +46,8 @@ pub struct Linearisation {
 pub enum NotLinear {
     /// The mechanism has constraints or phases.
     Constrained,
+    /// The mechanism has states of first order.
+    States,
     /// The equations depend on time otherwise than through inputs.
     Time,
     /// A force or its slope has no value there: a quotient by 0, a root of a negative number.
@@ -63,6 +65,9 @@ pub enum NotLinear {
 impl Display for NotLinear {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            NotLinear::States => f.write_str(
+                "matrices of formulas are not available for mechanisms with states of first order; `modes` computes the numbers of A and B",
+            ),
             NotLinear::Constrained => f.write_str(
                 "matrices of formulas are not available for mechanisms with constraints or phases; `modes` computes their numbers",
             ),
@@ -97,6 +102,9 @@ impl Linearisation {
     pub fn about(program: &Program, model: &mut Model, place: &[Id]) -> Result<Linearisation, NotLinear> {
         if !model.constraints.is_empty() || model.phases.len() > 1 {
             return Err(NotLinear::Constrained);
+        }
+        if !model.states.is_empty() {
+            return Err(NotLinear::States);
         }
         for (coordinate, value) in model.coordinates.iter().zip(place) {
             if !model.graph.symbols([*value]).into_iter().all(is_parameter) {

@@ -7,7 +7,7 @@ use super::formula::{Formula, Formulas, Latex, Notation, Text};
 use crate::derive::without_modes;
 use crate::expr::{Angles, Graph, Id, Node, Symbol, Unary, expand, expand_around_sums};
 use crate::lower::Program;
-use crate::model::Model;
+use crate::model::{Model, rate_name};
 
 /// The equations of motion, M q'' + h = (Jᵀ + B) λ with J q'' + γ = 0, as formulas.
 #[derive(Clone, Debug)]
@@ -27,6 +27,8 @@ const LONGEST_ROW: usize = 60;
 enum Entry {
     Mass(usize, usize),
     Bias(usize),
+    /// The rate of a state of first order, by its hidden coordinate.
+    Rate(usize),
     /// The constraint itself (or its rate, where it contains speeds).
     Constraint(usize),
     Row(usize, usize),
@@ -41,8 +43,11 @@ impl Reading {
         let mut graph = program.model.graph.clone();
         let rows = &program.constraints;
         let mut entries: Vec<(Entry, Id)> = Vec::new();
-        entries.extend(program.mass.iter().map(|(i, j, m)| (Entry::Mass(*i, *j), *m)));
-        entries.extend(program.bias.iter().enumerate().map(|(i, h)| (Entry::Bias(i), *h)));
+        let mechanical = program.model.mechanical();
+        let of_mechanism = program.mass.iter().filter(|entry| entry.0 < mechanical);
+        entries.extend(of_mechanism.map(|(i, j, m)| (Entry::Mass(*i, *j), *m)));
+        let bias = program.bias.iter().enumerate();
+        entries.extend(bias.map(|(i, h)| (if i < mechanical { Entry::Bias(i) } else { Entry::Rate(i) }, *h)));
         entries.extend(rows.values.chunks(3).enumerate().map(|(k, c)| (Entry::Constraint(k), c[0])));
         entries.extend(rows.matrix.iter().map(|(k, j, c)| (Entry::Row(*k, *j), *c)));
         entries.extend(rows.bias.iter().enumerate().map(|(k, c)| (Entry::RowBias(k), *c)));
@@ -81,6 +86,7 @@ impl Reading {
             let title = match entry {
                 Entry::Mass(..) => "M q'' + h = 0, with",
                 Entry::Bias(_) => "",
+                Entry::Rate(_) => "rates of states of first order",
                 Entry::Constraint(_) => {
                     "constraints, which add forces (J^T + B) lambda on the right and J q'' + gamma = 0, with"
                 }
@@ -94,12 +100,15 @@ impl Reading {
             let left = match entry {
                 Entry::Mass(i, j) => format!("M[{}, {}]", name(*i), name(*j)),
                 Entry::Bias(i) => format!("h[{}]", name(*i)),
+                Entry::Rate(i) => rate_name(name(*i), 2),
                 Entry::Constraint(k) => format!("c[{}]", model.row_name(*k)),
                 Entry::Row(k, j) => format!("J[{}, {}]", model.row_name(*k), name(*j)),
                 Entry::RowBias(k) => format!("gamma[{}]", model.row_name(*k)),
                 Entry::Friction(i, k) => format!("B[{}, {}]", name(*i), model.row_name(*k)),
             };
-            let _ = writeln!(out, "  {left} = {}", writer.signed(*negative, formula));
+            // h of a state is its rate with the opposite sign.
+            let negative = *negative != matches!(entry, Entry::Rate(_));
+            let _ = writeln!(out, "  {left} = {}", writer.signed(negative, formula));
         }
         if !self.formulas.parts.is_empty() {
             let _ = writeln!(out, "where");
@@ -131,12 +140,14 @@ impl Reading {
             let left = match entry {
                 Entry::Mass(i, j) => format!("M_{{{},{}}}", coordinate(*i), coordinate(*j)),
                 Entry::Bias(i) => format!("h_{{{}}}", coordinate(*i)),
+                Entry::Rate(i) => writer.symbol(Symbol::Acceleration(*i as u32)),
                 Entry::Constraint(k) => format!("c_{}", row(*k)),
                 Entry::Row(k, j) => format!("J_{{{},{}}}", row(*k), coordinate(*j)),
                 Entry::RowBias(k) => format!("\\gamma_{}", row(*k)),
                 Entry::Friction(i, k) => format!("B_{{{},{}}}", coordinate(*i), row(*k)),
             };
-            let _ = write!(out, " \\\\\n  {left} &= {}", writer.signed(*negative, formula));
+            let negative = *negative != matches!(entry, Entry::Rate(_));
+            let _ = write!(out, " \\\\\n  {left} &= {}", writer.signed(negative, formula));
         }
         for (place, part) in self.formulas.parts.iter().enumerate() {
             let _ = write!(out, " \\\\\n  {} &= {}", Latex::part(place), writer.signed(false, part));

@@ -93,15 +93,22 @@ impl Names {
     pub fn of(model: &Model) -> Names {
         let mut scope = Scope::root();
         // All coordinates first: one called `x_dot` keeps its name, and the rate of `x` gets another.
-        let own: Vec<String> = model.coordinates.iter().map(|c| scope.fresh(&local_name(&c.name))).collect();
+        let mechanical = &model.coordinates[..model.mechanical()];
+        let own: Vec<String> = mechanical.iter().map(|c| scope.fresh(&local_name(&c.name))).collect();
+        let states: Vec<String> = model.states.iter().map(|state| scope.fresh(&local_name(&state.name))).collect();
         let rate = |scope: &mut Scope<'_>, name: &str, suffix: &str| scope.fresh(&joined(name, suffix));
-        let coordinates = own
+        let mut coordinates: Vec<[String; 3]> = own
             .into_iter()
             .map(|name| {
                 let (dot, ddot) = (rate(&mut scope, &name, "dot"), rate(&mut scope, &name, "ddot"));
                 [name, dot, ddot]
             })
             .collect();
+        // A state is the speed of its hidden coordinate.
+        for name in states {
+            let (integral, dot) = (scope.fresh(&joined("integral_of", &name)), rate(&mut scope, &name, "dot"));
+            coordinates.push([integral, name, dot]);
+        }
         let multipliers = model.constraints.iter().flat_map(|c| {
             let one = c.value.len() == 1;
             (0..c.value.len()).map(move |k| if one { c.name.clone() } else { format!("{}_{}", c.name, k + 1) })

@@ -1,9 +1,10 @@
 //! The unit that a number in SI has.
 
-use crate::language::parse_unit;
+use crate::language::{BASES, parse_unit};
 
 /// Units without a prefix that are SI, for each run of letters in a unit.
-const COHERENT: [&str; 9] = ["kg", "m", "s", "rad", "N", "J", "W", "Pa", "Hz"];
+const COHERENT: [&str; 19] =
+    ["kg", "m", "s", "rad", "N", "J", "W", "Pa", "Hz", "A", "K", "V", "ohm", "Ω", "H", "F", "C", "Wb", "T"];
 
 /// Units beside SI, with those in which their numbers are told.
 const BESIDE: [(&str, &str); 7] =
@@ -46,14 +47,15 @@ fn without_prefix(name: &str) -> String {
     }
     let fits = |base: &&&str| {
         parse_unit(base).is_ok_and(|known| known.dimension == unit.dimension)
-            && (name.ends_with(**base) || name.ends_with('g') || unit.dimension == [0; 3])
+            && (name.ends_with(**base) || name.ends_with('g') || unit.dimension == [0; BASES])
     };
     COHERENT.iter().find(fits).map_or_else(|| name.to_owned(), |base| (*base).to_owned())
 }
 
-fn by_dimension(dimension: [i8; 3]) -> String {
+fn by_dimension(dimension: [i8; BASES]) -> String {
     let side = |sign: i8| {
-        let powers = ["kg", "m", "s"].into_iter().zip(dimension).filter(move |(_, exponent)| exponent * sign > 0);
+        let powers =
+            ["kg", "m", "s", "A", "K"].into_iter().zip(dimension).filter(move |(_, exponent)| exponent * sign > 0);
         powers.map(|(name, halves)| match halves.abs() {
             2 => name.to_owned(),
             n => format!("{name}^{}", 0.5 * f64::from(n)),
@@ -91,6 +93,11 @@ mod tests {
             ("1/rpm", "s"),
             ("N/ft^2", "N/m^2"),
             ("kN/m^1.5", "N/m^1.5"),
+            ("mA", "A"),
+            ("kohm", "ohm"),
+            ("kΩ", "Ω"),
+            ("mH", "H"),
+            ("uF", "F"),
         ];
         for (written, si) in cases {
             assert_eq!(si_unit(written), si, "{written}");

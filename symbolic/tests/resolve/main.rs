@@ -50,6 +50,8 @@ impl At {
             Symbol::Acceleration(i) => self.get(&model.coordinates[i as usize].name, 2),
             Symbol::Input(i, order) => self.get(&model.inputs[i as usize].name, usize::from(order)),
             Symbol::Parameter(i) => model.parameters[i as usize].default,
+            Symbol::State(j) => self.get(&model.states[j as usize].name, 0),
+            Symbol::StateRate(j) => self.get(&model.states[j as usize].name, 1),
             Symbol::Mode(_) | Symbol::Reaction(_) | Symbol::Multiplier(_) | Symbol::Phase(_) | Symbol::Dummy(_) => {
                 f64::NAN
             }

@@ -20,11 +20,12 @@ Regenerate: `cargo run --example why -p dalembert-symbolic > docs/why-it-did-not
 ";
 
 /// The subjects of the catalogue, in its order.
-const SUBJECTS: [&str; 8] = [
+const SUBJECTS: [&str; 9] = [
     "YAML",
     "Expressions, keys and units",
     "Names, sizes and indices",
     "Units",
+    "States of first order",
     "The shape of a file",
     "Mechanics",
     "What deriving and testing at random states finds",

@@ -11,6 +11,8 @@ mod model;
 mod motion;
 mod report;
 mod shaken;
+#[cfg(feature = "modal")]
+mod states;
 mod steady;
 #[cfg(feature = "modal")]
 mod tangent;
@@ -56,11 +58,20 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         true => loaded.system.scene(scene).q,
         false => resting(&*loaded.system, scene),
     };
+    if loaded.system.description().has_states() {
+        // The guess of a state stands in the place of its hidden coordinate.
+        let first = loaded.system.description().mechanical();
+        speeds.v[first..].copy_from_slice(&q[first..]);
+        q[first..].fill(0.0);
+    }
     reader.states(&loaded, options, "at", &mut q, &mut speeds.v)?;
     let guess = Guess { q, v: speeds.v.clone(), inputs };
     loaded.warnings.append(&mut reader.notes);
     for warning in &loaded.warnings {
         eprintln!("warning: {warning}");
+    }
+    if loaded.system.description().has_states() {
+        return with_states(&loaded, options, &guess, out);
     }
     if has_dependent_coordinates(&*loaded.system) {
         return constrained::run(&loaded, options, &mut reader, (scene, &speeds), &guess, out);
@@ -110,6 +121,16 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     Ok(())
 }
 
+#[cfg(feature = "modal")]
+fn with_states(loaded: &Loaded, options: &ArgMatches, guess: &Guess, out: &mut dyn Write) -> Result<(), Problem> {
+    states::run(loaded, options, guess, out)
+}
+
+#[cfg(not(feature = "modal"))]
+fn with_states(_: &Loaded, _: &ArgMatches, _: &Guess, _: &mut dyn Write) -> Result<(), Problem> {
+    Err(failed(LinearError::NeedsFeature { feature: "modal" }))
+}
+
 /// Where the search starts: the file's guess, or the scene's start where it gives none and constraints must be met.
 fn resting(system: &dyn System, scene: usize) -> Vec<f64> {
     let guess = system.equilibrium_guess();
@@ -124,6 +145,9 @@ fn resting(system: &dyn System, scene: usize) -> Vec<f64> {
 
 /// The modes about the equilibrium that is found from the file's guess, or from a scene's start, and what is wrong with integrals there.
 pub(super) fn at_rest(system: &dyn System, scene: usize) -> Result<(Vec<Mode>, Vec<String>), LinearError> {
+    if system.description().has_states() {
+        return Err(LinearError::HasStates);
+    }
     let guess = Guess::at(&resting(system, scene));
     let linear = match has_dependent_coordinates(system) {
         false => linearise(system, &equilibrium_near(system, &guess)?)?,

@@ -54,7 +54,7 @@ fn listed(found: &Tangent) -> Vec<(usize, Complex<f64>, Vec<Complex<f64>>)> {
 }
 
 /// `time constant 1 s`, `omega = 2 rad/s, …`.
-fn told(value: Complex<f64>) -> String {
+pub(super) fn told(value: Complex<f64>) -> String {
     // What rounding leaves of a real part is none.
     let value = Complex::new(if value.re.abs() <= ROUNDING * value.norm() { 0.0 } else { value.re }, value.im);
     let lambda = match value.im == 0.0 {
@@ -68,7 +68,7 @@ fn told(value: Complex<f64>) -> String {
     }
 }
 
-fn verdict(stability: Stability) -> &'static str {
+pub(super) fn verdict(stability: Stability) -> &'static str {
     match stability {
         Stability::Asymptotic => "departures die out",
         Stability::Neutral => "no departure grows; some stay",

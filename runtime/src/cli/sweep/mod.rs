@@ -20,7 +20,7 @@ use super::simulate::interruption;
 use super::{Entry, Problem, outputs};
 use crate::Settings;
 use crate::ensemble::spread;
-use crate::mechanism::{Description, Method};
+use crate::mechanism::{Description, HIDDEN, Method};
 use crate::numbers::short;
 use crate::run::Names;
 use crate::show::{Axis, Chart, Figure, Series, unit};
@@ -78,9 +78,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
 
 /// Coordinates, rates and outputs, component by component, as runs name them.
 fn names(description: &Description) -> Vec<String> {
-    let Names { coordinates, outputs } = Names::of(description);
-    let rates = coordinates.iter().map(|name| format!("{name}'")).collect::<Vec<_>>();
-    [coordinates, rates, outputs].concat()
+    Names::of(description).columns().into_iter().filter(|name| !name.starts_with(HIDDEN)).collect()
 }
 
 /// `--log x,y`: whether the axes are logarithmic.

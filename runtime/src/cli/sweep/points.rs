@@ -8,7 +8,7 @@ use dalembert_symbolic::model::Sets;
 use crate::Settings;
 use crate::cli::Problem;
 use crate::cli::load::{Loaded, pairs};
-use crate::cli::set_up::{Reader, coordinate_index, parameter_index, start_at, unknown, with_unit_of};
+use crate::cli::set_up::{Place, Reader, parameter_index, place_in_state, start_at, unknown, with_unit_of};
 use crate::mechanism::System;
 
 /// More runs than this are refused: their table would not fit into memory.
@@ -134,15 +134,18 @@ impl Varied {
         let description = loaded.system.description();
         let n = loaded.system.len();
         let of = |target| Varied { name: name.to_owned(), target };
-        if let Some(coordinate) = name.strip_suffix('\'') {
-            let index = coordinate_index(loaded, coordinate)?;
-            return Ok((of(Target::Start(n + index)), Sets::Speed(index)));
+        let start = |place| match place {
+            Place::Coordinate(index) => (of(Target::Start(index)), Sets::Coordinate(index)),
+            Place::Speed(index) => (of(Target::Start(n + index)), Sets::Speed(index)),
+        };
+        if name.ends_with('\'') {
+            return place_in_state(loaded, name).map(start);
         }
         if let Ok(index) = parameter_index(loaded, name) {
             return Ok((of(Target::Parameter(index)), Sets::Parameter(index)));
         }
-        if let Ok(index) = coordinate_index(loaded, name) {
-            return Ok((of(Target::Start(index)), Sets::Coordinate(index)));
+        if let Ok(place) = place_in_state(loaded, name) {
+            return Ok(start(place));
         }
         if description.derived.iter().any(|derived| derived == name) {
             parameter_index(loaded, name)?;
@@ -151,7 +154,7 @@ impl Varied {
         Err(unknown(
             "parameter or coordinate",
             name,
-            known.chain(description.coordinates.iter().map(|c| c.name.as_ref())),
+            known.chain(description.coordinates.iter().map(|c| c.state().unwrap_or(&c.name))),
         ))
     }
 

@@ -5,6 +5,8 @@ mod family;
 mod linearise;
 mod point;
 mod search;
+#[cfg(feature = "modal")]
+mod state_space;
 mod timed;
 
 #[cfg(test)]
@@ -19,3 +21,5 @@ pub(super) use point::LinearisationPoint;
 pub(crate) use point::force_unit;
 pub(super) use search::ConvergenceHistory;
 pub use search::{Equilibrium, Guess, equilibria, equilibrium_here, equilibrium_near};
+#[cfg(feature = "modal")]
+pub use state_space::{StateSpace, linearise_states};

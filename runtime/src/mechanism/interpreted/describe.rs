@@ -107,7 +107,8 @@ pub(super) fn describe(program: &Program, source: &str) -> Description {
         coordinates: model
             .coordinates
             .iter()
-            .map(|c| Coordinate { name: text(&c.name), unit: unit(&c.unit) })
+            .zip(model.units_of_coordinates())
+            .map(|(c, of)| Coordinate { name: text(&c.name), unit: unit(of) })
             .collect(),
         rotations: model.rotations.iter().map(|rotation| rotation.first as u32).collect(),
         parameters: model

@@ -1,7 +1,7 @@
 //! The catalogue of errors: data, and one constructor for each entry.
 //!
 //! By subject: [`yaml`] E001–, [`syntax`] E101– (inside expressions, keys and units), [`names`] E201– (names, sizes,
-//! indices, kinds), [`units`] E241–, [`sections`] E301– (the shape of a file), [`mechanics`] E401– (bodies, forces, scenes),
+//! indices, kinds), [`units`] E241–, [`states`] E260– (states of first order), [`sections`] E301– (the shape of a file), [`mechanics`] E401– (bodies, forces, scenes),
 //! [`verdicts`] E501– (what deriving finds), [`later`] E901– (not supported yet).
 //!
 //! A constructor takes the [`Place`](super::Place) first and then what its message names.  An argument called
@@ -11,6 +11,7 @@ pub mod later;
 pub mod mechanics;
 pub mod names;
 pub mod sections;
+pub mod states;
 pub mod syntax;
 pub mod units;
 pub mod verdicts;
@@ -43,6 +44,7 @@ pub static CATALOGUE: &[&[Entry]] = &[
     syntax::ENTRIES,
     names::ENTRIES,
     units::ENTRIES,
+    states::ENTRIES,
     sections::ENTRIES,
     mechanics::ENTRIES,
     verdicts::ENTRIES,

@@ -116,6 +116,6 @@ super::entries! {
         "`{words}` is not linear in its reactions, and {context} must be" "" "use a phase for each sign of the reaction, with a force of its own in each (`-mu*reaction(floor)` in one, `mu*reaction(floor)` in the other), and events that lead from one to the other"
         "Accelerations and reactions come from one system of linear equations. Within a phase a reaction keeps its sign, or is multiplied by anything of coordinates, velocities and time, so that `abs`, `max` or `sign` of it is not needed.";
     E239 switch_misplaced(words, context) "a discontinuity where it may not be"
-        "`{words}` has a kink or jumps along the motion, and {context} may not" "" "write one constraint for each side, each active in a phase of its own, and events that lead from one to the other; a law of first order of a coordinate of its own, `z' = f`, needs none: with `kinetic_energy: M*z'^2/2` and `generalized_forces: {{z: \"-M/lag*(z' - f)\"}}` z' follows f within the time `lag` (start at z' = f; a shorter `lag` shows what it changes)"
+        "`{words}` has a kink or jumps along the motion, and {context} may not" "" "write one constraint for each side, each active in a phase of its own, and events that lead from one to the other; what has a rate and no inertia, `z' = f`, is a state: `states: {{z: {{rate: f}}}}`"
         "Constraints are differentiated, twice where they contain no velocities; `abs`, `sign`, `step`, `min` and `max` of what moves have no derivative where they switch.";
 }

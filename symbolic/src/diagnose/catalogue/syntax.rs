@@ -57,7 +57,7 @@ super::entries! {
         "Names start with a letter or `_`, and consist of letters, digits and `_`.";
     E119 unknown_unit(unit, help) "an unknown unit"
         "unknown unit `{unit}`" "" "{help}"
-        "Units are `kg m s rad deg N J W Pa Hz g` with SI prefixes, joined by `*`, `/` and `^`; `1` is a pure number.";
+        "Units are `kg m s rad deg N J W Pa Hz g A K V ohm H F C Wb T` with SI prefixes, joined by `*`, `/` and `^`; `1` is a pure number.";
     E120 bad_unit(text, expected) "a unit that cannot be read"
         "`{text}` is not a unit: expected {expected}" "" "units look like `kg*m^2/s^2`, `1/m`, `m^-1` or `1`"
         "Units are read from left to right: `N/m*s` is `N s/m`.";

@@ -17,7 +17,7 @@ super::entries! {
         "the mass matrix has rank {rank} in every state tried" "some motion of {names} moves no mass" "leave out a coordinate that the others determine, or give what it moves a mass; tried at {state}"
         "Accelerations do not exist where the mass matrix is singular. A particle in the plane has two coordinates; a third one that also moves it leaves a combination that moves nothing.";
     E506 balances_disagree(system, coordinate, balances, lagrange, worst, help) "a system of balances that disagrees"
-        "`{system}` gives {coordinate}'' = {balances}, Lagrange's equations give {lagrange}" "{worst}" "{help}"
+        "`{system}` gives {coordinate} = {balances}, Lagrange's equations give {lagrange}" "{worst}" "{help}"
         "Momentum balance and Lagrange's equations are two derivations of one motion; where they differ one of them is wrong.";
     E507 balances_singular(system, state) "a system of balances that is singular"
         "`{system}` does not determine the accelerations" "singular at every state tried, such as {state}" "a balance may follow from others, or be identically zero: choose another point, or another direction with `along`"

@@ -3,18 +3,18 @@
 use std::fmt;
 
 use crate::expr::{Number, Rational};
-use crate::language::Unit;
+use crate::language::{BASES, Unit};
 
-/// Exponents of kg, m and s, in parts of [`PARTS`]: roots have fractional ones.
+/// Exponents of kg, m, s, A and K, in parts of [`PARTS`]: roots have fractional ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Dimension([i32; 3]);
+pub struct Dimension([i32; BASES]);
 
 /// Exponents are multiples of 1/840, the least that has all of 1/2 to 1/8.
 const PARTS: i32 = 840;
 
 impl Dimension {
     /// A pure number.
-    pub const ONE: Dimension = Dimension([0; 3]);
+    pub const ONE: Dimension = Dimension([0; BASES]);
     /// kg
     pub const MASS: Dimension = Dimension::si(1, 0, 0);
     /// m
@@ -40,7 +40,12 @@ impl Dimension {
 
     /// kg^a m^b s^c.
     pub const fn si(kg: i32, m: i32, s: i32) -> Dimension {
-        Dimension([kg * PARTS, m * PARTS, s * PARTS])
+        Dimension::of_all([kg, m, s, 0, 0])
+    }
+
+    /// kg^a m^b s^c A^d K^e.
+    const fn of_all([kg, m, s, ampere, kelvin]: [i32; BASES]) -> Dimension {
+        Dimension([kg * PARTS, m * PARTS, s * PARTS, ampere * PARTS, kelvin * PARTS])
     }
 
     /// Of a unit of the language.
@@ -88,25 +93,38 @@ pub fn si(unit: &Unit) -> String {
     }
 }
 
-/// Common quantities: kg, m, s, what they measure, and their unit.
-const NAMED: &[([i32; 3], &str, &str)] = &[
-    ([1, 0, 0], "a mass", "kg"),
-    ([0, 1, 0], "a length", "m"),
-    ([0, 2, 0], "an area", "m^2"),
-    ([0, 0, 1], "a time", "s"),
-    ([0, 0, -1], "a rate", "1/s"),
-    ([0, 0, -2], "an angular acceleration", "1/s^2"),
-    ([0, 1, -1], "a velocity", "m/s"),
-    ([0, 1, -2], "an acceleration", "m/s^2"),
-    ([1, 2, 0], "a moment of inertia", "kg*m^2"),
-    ([1, 1, -1], "a momentum", "kg*m/s"),
-    ([1, 2, -1], "an angular momentum", "kg*m^2/s"),
-    ([1, 1, -2], "a force", "N"),
-    ([1, 2, -2], "an energy or torque", "J"),
-    ([1, 2, -3], "a power", "W"),
-    ([1, 0, -2], "a stiffness", "N/m"),
-    ([1, 0, -1], "a damping coefficient", "N*s/m"),
-    ([1, -1, 0], "a mass per length", "kg/m"),
+/// Common quantities: kg, m, s, A, K, what they measure, and their unit.
+const NAMED: &[([i32; BASES], &str, &str)] = &[
+    ([1, 0, 0, 0, 0], "a mass", "kg"),
+    ([0, 1, 0, 0, 0], "a length", "m"),
+    ([0, 2, 0, 0, 0], "an area", "m^2"),
+    ([0, 0, 1, 0, 0], "a time", "s"),
+    ([0, 0, -1, 0, 0], "a rate", "1/s"),
+    ([0, 0, -2, 0, 0], "an angular acceleration", "1/s^2"),
+    ([0, 1, -1, 0, 0], "a velocity", "m/s"),
+    ([0, 1, -2, 0, 0], "an acceleration", "m/s^2"),
+    ([1, 2, 0, 0, 0], "a moment of inertia", "kg*m^2"),
+    ([1, 1, -1, 0, 0], "a momentum", "kg*m/s"),
+    ([1, 2, -1, 0, 0], "an angular momentum", "kg*m^2/s"),
+    ([1, 1, -2, 0, 0], "a force", "N"),
+    ([1, 2, -2, 0, 0], "an energy or torque", "J"),
+    ([1, 2, -3, 0, 0], "a power", "W"),
+    ([1, 0, -2, 0, 0], "a stiffness", "N/m"),
+    ([1, 0, -1, 0, 0], "a damping coefficient", "N*s/m"),
+    ([1, -1, 0, 0, 0], "a mass per length", "kg/m"),
+    ([0, 0, 0, 1, 0], "a current", "A"),
+    ([0, 0, 0, 0, 1], "a temperature", "K"),
+    ([0, 0, 1, 1, 0], "a charge", "C"),
+    ([1, 2, -3, -1, 0], "a voltage", "V"),
+    ([1, 2, -3, -2, 0], "a resistance", "ohm"),
+    ([1, 2, -2, -2, 0], "an inductance", "H"),
+    ([-1, -2, 4, 2, 0], "a capacitance", "F"),
+    ([1, 2, -2, -1, 0], "a magnetic flux or motor constant", "V*s"),
+    ([1, 0, -2, -1, 0], "a flux density", "T"),
+    ([0, 0, -1, 1, 0], "a rate of a current", "A/s"),
+    ([0, 0, -1, 0, 1], "a rate of a temperature", "K/s"),
+    ([1, 2, -2, 0, -1], "a heat capacity", "J/K"),
+    ([1, 2, -3, 0, -1], "a thermal conductance", "W/K"),
 ];
 
 impl Dimension {
@@ -115,7 +133,7 @@ impl Dimension {
         if self == Dimension::ONE {
             return "a pure number".to_owned();
         }
-        let named = NAMED.iter().find(|([kg, m, s], ..)| Dimension::si(*kg, *m, *s) == self);
+        let named = NAMED.iter().find(|(exponents, ..)| Dimension::of_all(*exponents) == self);
         match named {
             Some((_, quantity, unit)) => format!("{quantity} ({unit})"),
             None => format!("in {self}"),
@@ -137,11 +155,11 @@ impl Dimension {
 /// As the language writes units: `N`, `kg*m^3/s`, `m^(1/2)`.
 impl fmt::Display for Dimension {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some((.., unit)) = NAMED.iter().find(|([kg, m, s], ..)| Dimension::si(*kg, *m, *s) == *self) {
+        if let Some((.., unit)) = NAMED.iter().find(|(exponents, ..)| Dimension::of_all(*exponents) == *self) {
             return f.write_str(unit);
         }
         let factors = |sign: i32| {
-            let bases = ["kg", "m", "s"].into_iter().zip(self.0);
+            let bases = ["kg", "m", "s", "A", "K"].into_iter().zip(self.0);
             let written = bases.filter(|(_, exponent)| exponent.signum() == sign).map(|(base, exponent)| {
                 match Rational::new(i128::from(exponent.abs()), i128::from(PARTS)) {
                     Some(Rational::ONE) | None => base.to_owned(),
@@ -236,6 +254,9 @@ mod tests {
         assert_eq!(Dimension::ONE.described(), "a pure number");
         assert_eq!(Dimension::si(1, 3, -1).described(), "in kg*m^3/s");
         assert_eq!(Dimension::si(0, -1, -2).to_string(), "1/m/s^2");
+        let volt = Dimension::POWER.over(Dimension::of_all([0, 0, 0, 1, 0])).unwrap();
+        assert_eq!(volt.described(), "a voltage (V)");
+        assert_eq!(Dimension::of_all([1, 1, -3, 0, -1]).to_string(), "kg*m/s^3/K");
         let half = Rational::new(1, 2).unwrap();
         assert_eq!(Dimension::LENGTH.power(half).unwrap().to_string(), "m^(1/2)");
         assert_eq!(Dimension::si(0, 2, -2).power(half), Some(Dimension::si(0, 1, -1)));

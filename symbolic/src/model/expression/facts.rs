@@ -32,8 +32,14 @@ impl Depends {
     /// A discontinuity, or a kink, of something that changes along the motion.
     pub const SWITCH: Depends = Depends(2048);
 
+    /// A state of first order, or its rate.
+    pub const STATE: Depends = Depends(4096);
+    /// The rate of a state of first order.
+    pub const STATE_RATE: Depends = Depends(8192);
+
     /// What changes along a motion, but for accelerations.
-    const MOVING: Depends = Depends::TIME.and(Depends::COORDINATE).and(Depends::VELOCITY).and(Depends::INPUT);
+    const MOVING: Depends =
+        Depends::TIME.and(Depends::COORDINATE).and(Depends::VELOCITY).and(Depends::INPUT).and(Depends::STATE);
 
     /// Both sets.
     pub const fn and(self, other: Depends) -> Depends {
@@ -51,6 +57,8 @@ impl Depends {
             Symbol::Coordinate(_) => Depends::COORDINATE,
             Symbol::Speed(_) => Depends::VELOCITY.and(Depends::SPEED),
             Symbol::Acceleration(_) | Symbol::Reaction(_) => Depends::ACCELERATION,
+            Symbol::State(_) => Depends::STATE,
+            Symbol::StateRate(_) => Depends::STATE.and(Depends::STATE_RATE),
             Symbol::Multiplier(_) => Depends::MULTIPLIER,
             Symbol::Input(_, order) => Depends::INPUT.and(match order {
                 0 => Depends(0),

@@ -6,7 +6,7 @@ use super::lower::{Local, Lower};
 use super::names::Solid;
 use super::scope::{Member, Section};
 use super::value::Value;
-use crate::diagnose::catalogue::{mechanics, names};
+use crate::diagnose::catalogue::{mechanics, names, states};
 use crate::diagnose::did_you_mean;
 use crate::expr::{Binary, Id, Symbol, Unary, vectors};
 use crate::language::{Ast, AstKind, FUNCTIONS, Span, function};
@@ -221,6 +221,10 @@ impl Lower<'_> {
             let words = self.text.words(span);
             return self.refuse(names::acceleration_misplaced(self.place(span), words, "a time derivative"));
         }
+        if depends.meets(Depends::STATE_RATE) {
+            let words = self.text.words(span);
+            return self.refuse(states::second_rate(self.place(span), words));
+        }
         value.map(|x| self.builder.rate(x))
     }
 
@@ -347,7 +351,11 @@ impl Lower<'_> {
     /// (a velocity was meant), and may stand only where an identity is tested (Jacobi's −∂L/∂t).
     fn is_meant_by_time(&mut self, value: &Value) -> bool {
         let depends = self.builder.depends(value.components());
-        let moves = Depends::COORDINATE.and(Depends::VELOCITY).and(Depends::ACCELERATION).and(Depends::INPUT);
+        let moves = Depends::COORDINATE
+            .and(Depends::VELOCITY)
+            .and(Depends::ACCELERATION)
+            .and(Depends::INPUT)
+            .and(Depends::STATE);
         !depends.meets(moves) || self.rules.tested && depends.meets(Depends::TIME)
     }
 
@@ -372,6 +380,7 @@ impl Lower<'_> {
                         _ => Symbol::Acceleration(place),
                     });
                 }
+                (_, Member::State(place)) if *primes == 0 => return Some(Symbol::State(place)),
                 (_, Member::Input(place, _)) => return Some(Symbol::Input(place, *primes)),
                 (_, Member::Parameter(place)) if *primes == 0 => return Some(Symbol::Parameter(place)),
                 (_, Member::Refused) => return None,

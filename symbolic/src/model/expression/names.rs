@@ -4,7 +4,7 @@ use super::index::{self, Indices};
 use super::lower::{Local, Lower};
 use super::scope::{Entry, Member, Section, expanded};
 use super::value::Value;
-use crate::diagnose::catalogue::names;
+use crate::diagnose::catalogue::{names, states};
 use crate::expr::{DoubleDouble, Id, Symbol, Unary};
 use crate::language::{Ast, AstKind, Span};
 
@@ -45,6 +45,17 @@ impl Lower<'_> {
                     0 => Symbol::Coordinate(place),
                     1 => Symbol::Speed(place),
                     _ => Symbol::Acceleration(place),
+                };
+                Value::Scalar(self.builder.graph.symbol(symbol))
+            }
+            Member::State(place) => {
+                let symbol = match primes {
+                    0 => Symbol::State(place),
+                    1 => Symbol::StateRate(place),
+                    _ => {
+                        let words = self.text.words(span);
+                        return self.refuse(states::second_rate(self.place(span), words));
+                    }
                 };
                 Value::Scalar(self.builder.graph.symbol(symbol))
             }

@@ -72,9 +72,18 @@ pub struct Rules {
 const REACTION: Depends = Depends::MULTIPLIER.and(Depends::BEYOND_LINEAR);
 const ACCELERATION: Depends = Depends::ACCELERATION.and(Depends::JERK).and(REACTION);
 const VELOCITY: Depends = ACCELERATION.and(Depends::VELOCITY);
-const MOTION: Depends = VELOCITY.and(Depends::COORDINATE);
+const STATE: Depends = Depends::STATE.and(Depends::STATE_RATE);
+const MOTION: Depends = VELOCITY.and(Depends::COORDINATE).and(STATE);
+
+/// What the rate of a state is called in messages.
+pub const RATE_OF_STATE: &str = "the rate of a state";
 
 impl Rules {
+    /// The rate of a state of first order, or an equation for it.
+    pub const fn rate_of_state() -> Rules {
+        Rules { refused: ACCELERATION, ..Rules::any(RATE_OF_STATE) }
+    }
+
     /// Of parameters and sizes only.
     pub const fn constant(what: &'static str) -> Rules {
         Rules { refused: MOTION.and(Depends::TIME).and(Depends::INPUT), ..Rules::any(what) }
@@ -92,12 +101,22 @@ impl Rules {
 
     /// Of coordinates, time and inputs.
     pub const fn position(what: &'static str) -> Rules {
-        Rules { refused: VELOCITY, ..Rules::any(what) }
+        Rules { refused: VELOCITY.and(STATE), ..Rules::any(what) }
+    }
+
+    /// Of coordinates, states of first order, time and inputs.
+    pub const fn potential(what: &'static str) -> Rules {
+        Rules { refused: VELOCITY.and(Depends::STATE_RATE), ..Rules::any(what) }
     }
 
     /// Of coordinates, velocities, time and inputs.
     pub const fn velocity(what: &'static str) -> Rules {
         Rules { refused: ACCELERATION, ..Rules::any(what) }
+    }
+
+    /// As [`Rules::velocity`], without states of first order.
+    pub const fn mechanical(what: &'static str) -> Rules {
+        Rules { refused: ACCELERATION.and(STATE), ..Rules::any(what) }
     }
 
     /// As [`Rules::velocity`], and of reactions, linearly.
@@ -108,12 +127,12 @@ impl Rules {
 
     /// As [`Rules::velocity`], without discontinuities.
     pub const fn constraint() -> Rules {
-        Rules { refused: ACCELERATION.and(Depends::SWITCH), ..Rules::any("a constraint") }
+        Rules { refused: ACCELERATION.and(STATE).and(Depends::SWITCH), ..Rules::any("a constraint") }
     }
 
     /// Of coordinates, time and inputs, without discontinuities.
     pub const fn joint(what: &'static str) -> Rules {
-        Rules { refused: VELOCITY.and(Depends::SWITCH), ..Rules::any(what) }
+        Rules { refused: VELOCITY.and(STATE).and(Depends::SWITCH), ..Rules::any(what) }
     }
 
     /// Of everything but accelerations, and energies.

@@ -18,6 +18,8 @@ pub enum Section {
     Parameter,
     /// `coordinates`
     Coordinate,
+    /// `states`
+    State,
     /// `inputs`
     Input,
     /// `define`
@@ -47,6 +49,7 @@ impl Section {
             Section::Size => "sizes",
             Section::Parameter => "parameters",
             Section::Coordinate => "coordinates",
+            Section::State => "states",
             Section::Input => "inputs",
             Section::Definition => "define",
             Section::Frame => "frames",
@@ -66,6 +69,7 @@ impl Section {
             Section::Size => "a size",
             Section::Parameter => "a parameter",
             Section::Coordinate => "a coordinate",
+            Section::State => "a state",
             Section::Input => "an input",
             Section::Definition => "a definition",
             Section::Frame => "a frame",
@@ -91,6 +95,8 @@ pub enum Member {
     Coordinate(u32),
     /// A coordinate of kind `rotation`, by its place among these.
     Rotation(usize),
+    /// A state of first order, by its place among the states.
+    State(u32),
     /// An input, by its place, and the item that holds its expression.
     Input(u32, usize),
     /// A derived parameter, definition or point: the item that holds its value.
@@ -221,6 +227,8 @@ pub struct Units {
     pub parameters: Vec<Measure>,
     /// Of coordinates, by their place.
     pub coordinates: Vec<Measure>,
+    /// Of states of first order, by their place.
+    pub states: Vec<Measure>,
     /// Of items.
     pub items: Vec<Measure>,
     /// Of the model's energies.
@@ -233,6 +241,7 @@ impl Default for Units {
             pure: true,
             parameters: Vec::new(),
             coordinates: Vec::new(),
+            states: Vec::new(),
             items: Vec::new(),
             energy: Measure::Unknown,
         }

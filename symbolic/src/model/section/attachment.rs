@@ -103,6 +103,7 @@ fn at_rest(dimension: usize, point: &[f64], body: &[f64], particle: bool) -> Opt
 pub struct State {
     time: f64,
     coordinates: Vec<[f64; 3]>,
+    first_state: u32,
     inputs: Vec<[f64; 4]>,
     parameters: Vec<f64>,
 }
@@ -116,6 +117,8 @@ impl State {
             Symbol::Coordinate(i) => coordinate(i, 0),
             Symbol::Speed(i) => coordinate(i, 1),
             Symbol::Acceleration(i) => coordinate(i, 2),
+            Symbol::State(j) => coordinate(self.first_state + j, 1),
+            Symbol::StateRate(j) => coordinate(self.first_state + j, 2),
             Symbol::Input(k, order) => {
                 self.inputs.get(k as usize).and_then(|u| u.get(usize::from(order))).copied().unwrap_or(f64::NAN)
             }
@@ -144,6 +147,7 @@ pub fn states(builder: &ExprBuilder, model: &Model) -> Vec<State> {
         let mut state = State {
             time: random.between(0.0, 10.0),
             coordinates: Vec::new(),
+            first_state: model.mechanical() as u32,
             inputs: model.inputs.iter().map(|_| [(); 4].map(|()| random.between(-1.0, 1.0))).collect(),
             parameters: Vec::new(),
         };

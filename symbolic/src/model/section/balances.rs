@@ -82,7 +82,8 @@ impl<'a> Resolver<'a> {
             let written = balances.iter().any(Balance::is_written) && !reactions.is_empty();
             let bodies = if written { self.of_bodies(&sums) } else { Vec::new() };
             let place = system.place.of_key();
-            let system = BalanceSystem { name, balances, reactions, bodies, phases, place };
+            let mut system = BalanceSystem { name, balances, reactions, bodies, phases, place };
+            self.with_states(&mut system);
             if self.determines(&system) {
                 systems.push(system);
             }
@@ -298,7 +299,7 @@ impl<'a> Resolver<'a> {
         spot.only(&[], "an energy balance", &mut self.builder.problems);
         let energies = self.scope.energies?;
         let symbols = self.builder.graph.symbols([energies.kinetic, energies.potential]);
-        if symbols.iter().any(|s| matches!(s, Symbol::Time | Symbol::Input(..))) {
+        if symbols.iter().any(|s| matches!(s, Symbol::Time | Symbol::Input(..) | Symbol::State(_))) {
             self.builder.problems.push(mechanics::energy_with_time(spot.place.of_key()));
             return None;
         }

@@ -185,11 +185,11 @@ impl Resolver<'_> {
 
     /// `kinetic_energy`, `potential_energy`, `dissipation`, `generalized_forces`.
     pub fn raw_energies(&mut self) {
-        let kinetic = self.raw("kinetic_energy", Rules::velocity("the kinetic energy"));
-        let potential = self.raw("potential_energy", Rules::position("the potential energy"));
+        let kinetic = self.raw("kinetic_energy", Rules::mechanical("the kinetic energy"));
+        let potential = self.raw("potential_energy", Rules::potential("the potential energy"));
         let energy = self.energy_unit(&[&kinetic, &potential]);
         self.scope.units.energy = energy;
-        let dissipation = self.raw("dissipation", Rules::velocity("the dissipation function"));
+        let dissipation = self.raw("dissipation", Rules::mechanical("the dissipation function"));
         for (raw, wanted) in [(&kinetic, energy), (&potential, energy), (&dissipation, self.scope.units.rate(energy))] {
             if let Some(text) = &raw.text {
                 self.builder.measured = raw.measure;
@@ -255,7 +255,8 @@ impl Resolver<'_> {
     ) -> Option<usize> {
         let place = place.of_key();
         let Some(entry) = self.scope.names.get(&member.base) else {
-            let known = self.model.coordinates.iter().map(|c| c.name.split('[').next().unwrap_or(&c.name));
+            let own = &self.model.coordinates[..self.model.mechanical()];
+            let known = own.iter().map(|c| c.name.split('[').next().unwrap_or(&c.name));
             let help = crate::diagnose::did_you_mean(&member.base, known);
             self.builder.problems.push(names::unknown_name(place, &member.base, help));
             return None;

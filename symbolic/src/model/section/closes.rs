@@ -241,7 +241,8 @@ impl Resolver<'_> {
             return entry.members.values().map(coordinate).collect();
         }
         if entry.is_none() {
-            let coordinates = self.model.coordinates.iter().map(|c| c.name.as_str());
+            let own = &self.model.coordinates[..self.model.mechanical()];
+            let coordinates = own.iter().map(|c| c.name.as_str());
             let known: Vec<&str> = coordinates.chain(self.scope.phase_names.keys().map(String::as_str)).collect();
             let help = did_you_mean_or(&member.name(), &known);
             self.builder.problems.push(names::unknown_name(place.clone(), member.name(), help));

@@ -14,11 +14,11 @@ impl Resolver<'_> {
     pub fn determines(&mut self, system: &BalanceSystem) -> bool {
         let equations: usize = system.balances.iter().map(|b| b.components).sum();
         let reactions: usize = system.reactions.iter().map(|&k| self.scope.reactions[k].components).sum();
-        let accelerations = self.model.coordinates.len();
+        let (accelerations, states) = (self.model.mechanical(), self.model.states.len());
         for &phase in &system.phases {
             let rows = self.active_rows(phase);
             let multipliers = self.multipliers(system, phase, &rows);
-            if equations + rows.len() == accelerations + reactions + multipliers.len() {
+            if equations + rows.len() == accelerations + states + reactions + multipliers.len() {
                 continue;
             }
             let name = &self.model.phases[phase].name;
@@ -29,8 +29,11 @@ impl Resolver<'_> {
             } else if !name.is_empty() {
                 given += &place;
             }
-            let mut wanted =
-                format!("{} and {}", counted(accelerations, "acceleration"), counted(reactions, "reaction component"));
+            let mut wanted = counted(accelerations, "acceleration");
+            if states > 0 {
+                wanted += &format!(", {}", counted(states, "rate of a state"));
+            }
+            wanted += &format!(" and {}", counted(reactions, "reaction component"));
             if let Some(first) = multipliers.first() {
                 let named = crate::model::text::multiplier(&self.model, *first);
                 let others = if multipliers.len() > 1 { ", …" } else { "" };
@@ -45,6 +48,15 @@ impl Resolver<'_> {
             return false;
         }
         true
+    }
+
+    /// How many equations a system needs in its first phase beside those for the rates of states.
+    pub fn unknowns_beside_states(&mut self, system: &BalanceSystem) -> usize {
+        let phase = system.phases.first().copied().unwrap_or_default();
+        let reactions: usize = system.reactions.iter().map(|&k| self.scope.reactions[k].components).sum();
+        let rows = self.active_rows(phase);
+        let unknowns = self.model.mechanical() + reactions + self.multipliers(system, phase, &rows).len();
+        unknowns.saturating_sub(rows.len())
     }
 
     /// The rows of the constraints that act in a phase.

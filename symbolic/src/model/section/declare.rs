@@ -139,7 +139,7 @@ impl Resolver<'_> {
                 }
             }
         }
-        let declared = self.root.get("coordinates").is_some();
+        let declared = self.root.get("coordinates").is_some() && self.root.get("states").is_none();
         if declared && self.model.coordinates.is_empty() && self.builder.problems.is_empty() {
             self.builder.problems.push(mechanics::no_coordinates(Place::default()));
         }

@@ -28,5 +28,6 @@ pub mod scenes;
 pub mod settings;
 mod solids;
 pub mod springs;
+pub mod states;
 pub mod tables;
 pub mod watched;

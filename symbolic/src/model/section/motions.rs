@@ -12,6 +12,7 @@ use crate::model::expression::families::{Expanded, Family};
 use crate::model::expression::rules::Rules;
 use crate::model::expression::scope::Section;
 use crate::model::motion::{Goal, Motion};
+use crate::model::resolved::HIDDEN;
 use crate::model::resolver::Resolver;
 
 /// What a motion may say.
@@ -167,7 +168,7 @@ impl Resolver<'_> {
             return Some((name, rules, Some(parameter)));
         }
         if entry.is_none() {
-            let coordinates = self.model.coordinates.iter().map(|c| c.name.as_str());
+            let coordinates = self.model.coordinates.iter().map(|c| c.name.trim_start_matches(HIDDEN));
             let parameters = self.model.parameters.iter().map(|p| p.name.as_str());
             let known: Vec<&str> = coordinates.chain(parameters).chain([UNTIL]).collect();
             let help = did_you_mean_or(&name, &known);
@@ -182,12 +183,16 @@ impl Resolver<'_> {
         ))
     }
 
-    /// A coordinate or its rate.
+    /// A coordinate, its rate, or a state of first order.
     fn state_of(&mut self, member: &Expanded, primes: u8, place: &Place) -> Option<Observed> {
         if primes > 1 {
             let help = "accelerations follow from the model";
             self.builder.problems.push(mechanics::unknown_start(place.of_key(), format!("{}''", member.name()), help));
             return None;
+        }
+        if let Some((_, state)) = self.state(member).filter(|_| primes == 0) {
+            let (unit, known) = (self.scope.units.states[state], &self.model.states[state]);
+            return Some(Observed { name: known.name.clone(), unit, words: known.unit.clone() });
         }
         let coordinate = self.coordinate(member, place)?;
         let own = self.scope.units.coordinates.get(coordinate).copied().unwrap_or_default();
@@ -283,7 +288,8 @@ impl Resolver<'_> {
             return None;
         };
         let member = member.clone();
-        let coordinate = self.scope.names.get(&member.base).is_some_and(|entry| entry.section == Section::Coordinate);
+        let moves = |section: Section| matches!(section, Section::Coordinate | Section::State);
+        let coordinate = self.scope.names.get(&member.base).is_some_and(|entry| moves(entry.section));
         if coordinate && component.is_none() {
             return self.state_of(&member, family.key.primes, place).map(|observed| (observed, member));
         }
@@ -293,7 +299,7 @@ impl Resolver<'_> {
             let declared = |section: &str| self.root.get(section).is_some_and(|spot| spot.get(base).is_some());
             // One that was refused is not told of twice.
             if !declared("outputs") {
-                let coordinates = self.model.coordinates.iter().map(|c| c.name.as_str());
+                let coordinates = self.model.coordinates.iter().map(|c| c.name.trim_start_matches(HIDDEN));
                 let known: Vec<&str> = coordinates.chain(self.model.outputs.iter().map(|o| o.name.as_str())).collect();
                 let help = did_you_mean_or(&name, &known);
                 let help = format!("{help}; what a motion has at its end is a coordinate, a rate or an output");

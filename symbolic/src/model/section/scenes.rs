@@ -13,8 +13,9 @@ use crate::model::expression::facts::Depends;
 use crate::model::expression::families::{self, Expanded, Family, Locals};
 use crate::model::expression::rules::Rules;
 use crate::model::expression::scope::Member;
-use crate::model::resolved::{Amount, Need, Scene};
+use crate::model::resolved::{Amount, Coordinate, HIDDEN, Need, Scene};
 use crate::model::resolver::Resolver;
+use crate::model::text::rate_name;
 
 /// True for a whole number of 10 to 360 that is a multiple of 5: an angle as people write it in degrees, and hardly one in radians.
 pub fn looks_like_degrees(words: &str) -> bool {
@@ -86,8 +87,9 @@ impl Resolver<'_> {
             name: name.to_owned(),
             q: vec![Id::ZERO; count],
             v: vec![Id::ZERO; count],
-            held_q: vec![false; count],
-            held_v: vec![false; count],
+            held_q: self.model.coordinates.iter().map(Coordinate::is_hidden).collect(),
+            // Of a state nothing is searched: it starts at what the file says, or at 0.
+            held_v: self.model.coordinates.iter().map(Coordinate::is_hidden).collect(),
             guessed: false,
             start_conditions: Vec::new(),
             phase: 0,
@@ -155,8 +157,10 @@ impl Resolver<'_> {
     fn unit_of_wanted(&self, name: &str) -> Option<String> {
         let place = |name: &str| self.model.coordinates.iter().position(|c| c.name == name);
         let units = &self.scope.units;
+        let state = self.model.states.iter().position(|state| state.name == name);
         let of = |k: usize| units.coordinates.get(k).copied().unwrap_or_default();
         let measure = match (place(name), name.strip_suffix('\'').and_then(place)) {
+            _ if state.is_some() => state.and_then(|j| units.states.get(j)).copied().unwrap_or_default(),
             (Some(k), _) => of(k),
             (None, Some(k)) => units.rate(of(k)),
             (None, None) => return self.model.outputs.iter().find(|output| output.name == name)?.unit.clone(),
@@ -166,7 +170,7 @@ impl Resolver<'_> {
 
     /// Looks up what scenes need, now that outputs are known.
     pub fn needed(&mut self) {
-        let coordinates = self.model.coordinates.iter().flat_map(|c| [c.name.clone(), format!("{}'", c.name)]);
+        let coordinates = self.model.coordinates.iter().flat_map(|c| [c.name.clone(), rate_name(&c.name, 1)]);
         let known: Vec<String> =
             coordinates.chain(self.model.outputs.iter().map(|output| output.name.clone())).collect();
         let mut seen: Vec<Place> = Vec::new();
@@ -249,7 +253,7 @@ impl Resolver<'_> {
         let places: BTreeMap<String, Spot<'_>> =
             entries.iter().map(|(key, spot, _)| ((*key).to_owned(), spot.clone())).collect();
         for (key, spot, family) in entries {
-            if self.start_rotations(&spot, &family, &places, scene) {
+            if self.start_rotations(&spot, &family, &places, scene) || self.start_states(key, &spot, &family, scene) {
                 continue;
             }
             if family.key.primes > 1 {
@@ -280,6 +284,47 @@ impl Resolver<'_> {
                 }
             }
         }
+    }
+
+    /// The coordinate of a state, and the state, that a member of a key names.
+    pub fn state(&self, member: &Expanded) -> Option<(usize, usize)> {
+        match self.scope.names.get(&member.base)?.members.get(&member.indices)? {
+            Member::State(state) => Some((self.model.mechanical() + *state as usize, *state as usize)),
+            _ => None,
+        }
+    }
+
+    /// Whether an entry is about states of first order; puts them where they start.
+    fn start_states(&mut self, key: &str, spot: &Spot<'_>, family: &Family, scene: &mut Scene) -> bool {
+        if family.members.iter().all(|member| self.state(member).is_none()) {
+            return false;
+        }
+        for (coordinate, value) in self.states_given(key, spot, family, "a start of it") {
+            if scene.v[coordinate] != Id::ZERO {
+                self.builder.problems.push(names::member_twice(spot.place.of_key(), key));
+                break;
+            }
+            scene.v[coordinate] = value;
+        }
+        true
+    }
+
+    /// Values of states, with the places of their coordinates.
+    fn states_given(&mut self, key: &str, spot: &Spot<'_>, family: &Family, what: &'static str) -> Vec<(usize, Id)> {
+        if family.key.primes > 0 {
+            let help = "the rate of a state follows from the model";
+            self.builder.problems.push(mechanics::unknown_start(spot.place.of_key(), key, help));
+            return Vec::new();
+        }
+        let Some(values) = self.values_for(spot, family) else { return Vec::new() };
+        let mut given = Vec::new();
+        for (member, value) in family.members.iter().zip(values) {
+            let Some((coordinate, state)) = self.state(member) else { break };
+            let words = self.model.states[state].unit.as_deref();
+            let rules = Rules::constant(what).like(self.scope.units.states[state]).counting(words);
+            given.extend(self.setting(&value, rules, &member.locals).map(|value| (coordinate, value)));
+        }
+        given
     }
 
     /// Whether an entry is about rotations; puts them where they start.
@@ -359,7 +404,8 @@ impl Resolver<'_> {
         if self.scope.names.contains_key(&member.base) {
             return self.coordinate(member, &spot.place);
         }
-        let known = self.model.coordinates.iter().map(|c| c.name.split('[').next().unwrap_or(&c.name));
+        let known = self.model.coordinates.iter().map(|c| c.name.trim_start_matches(HIDDEN));
+        let known = known.map(|name| name.split('[').next().unwrap_or(name));
         let help = crate::diagnose::did_you_mean(&member.base, known);
         self.builder.problems.push(mechanics::unknown_start(spot.place.of_key(), key, help));
         None
@@ -433,6 +479,10 @@ impl Resolver<'_> {
             let Some(family) = self.start_key(key, &spot) else { continue };
             if family.key.primes > 0 {
                 self.builder.problems.push(mechanics::unknown_start(spot.place.of_key(), key, at_rest));
+                continue;
+            }
+            if family.members.iter().any(|member| self.state(member).is_some()) {
+                given.extend(self.states_given(key, &spot, &family, rules.what));
                 continue;
             }
             let Some(values) = self.values_for(&spot, &family) else { continue };

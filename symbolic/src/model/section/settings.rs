@@ -32,7 +32,10 @@ impl Resolver<'_> {
         let coordinate = |name: &str| Some(self.model.coordinates.iter().position(|c| c.name == name)? as u32);
         let of_state = || match name.strip_suffix('\'') {
             Some(name) => coordinate(name).map(Symbol::Speed),
-            None => coordinate(name).map(Symbol::Coordinate),
+            None => coordinate(name).map(Symbol::Coordinate).or_else(|| {
+                let place = self.model.states.iter().position(|state| state.name == name)?;
+                Some(Symbol::State(place as u32))
+            }),
         };
         parameter.map(|k| Symbol::Parameter(k as u32)).or_else(of_state)
     }

@@ -258,7 +258,7 @@ impl Resolver<'_> {
         let placement = self.placement(spot);
         let (Some(stretch), Some(stiffness), Some(placement)) = (stretch, stiffness, placement) else { return };
         for member in &family.members {
-            let e = self.scalar(&stretch, Rules::position("a stretch").like(placement.unit(self)), &member.locals);
+            let e = self.scalar(&stretch, Rules::potential("a stretch").like(placement.unit(self)), &member.locals);
             let wanted = self.per_square(Dimension::ENERGY);
             let k = self.scalar(&stiffness, Rules::of_time("the stiffness here").like(wanted), &member.locals);
             let (Some(e), Some(k)) = (e, k) else { continue };
@@ -402,7 +402,7 @@ impl Resolver<'_> {
         let (Some(rate), Some(placement)) = (rate, placement) else { return };
         for member in &family.members {
             let wanted = self.scope.units.rate(placement.unit(self));
-            let rules = Rules::velocity("a rate").like(wanted);
+            let rules = Rules::mechanical("a rate").like(wanted);
             let Some(rate) = self.scalar(&rate, rules, &member.locals) else { continue };
             let unit = self.per_square(Dimension::POWER);
             let Some(tension) = self.damping(damping, rate, unit, &member.locals) else { continue };

@@ -181,11 +181,20 @@ impl Resolver<'_> {
                 continue;
             }
             for member in &family.members {
-                let Some(coordinate) = self.coordinate(member, &spot.place) else { break };
-                let speed = family.key.primes == 1;
+                let state = self.state(member).filter(|_| family.key.primes == 0);
+                let coordinate = state.map(|known| known.0).or_else(|| self.coordinate(member, &spot.place));
+                let Some(coordinate) = coordinate else { break };
+                let speed = state.is_some() || family.key.primes == 1;
                 let unit = self.scope.units.coordinates[coordinate];
-                let unit = if speed { self.scope.units.rate(unit) } else { unit };
-                let words = self.model.coordinates[coordinate].unit.as_deref();
+                let unit = match state {
+                    Some((_, state)) => self.scope.units.states[state],
+                    None if speed => self.scope.units.rate(unit),
+                    None => unit,
+                };
+                let words = match state {
+                    Some((_, state)) => self.model.states[state].unit.as_deref(),
+                    None => self.model.coordinates[coordinate].unit.as_deref(),
+                };
                 let rules = Rules::constant("a range of it").like(unit).counting(words);
                 let low = self.setting(low, rules, &member.locals);
                 let high = self.setting(high, rules, &member.locals);

@@ -1,0 +1,300 @@
+//! Equilibria and small motions of mechanisms with states of first order.
+//!
+//! With coordinates q, rates v and states z the equations are F(q, v, z, v') = 0 and z' = f(q, v, z): one system whose unknowns at rest are
+//! (q, z), with the columns ∂F/∂q for q and ∂F/∂z for z.  Small departures x = (δq, δv, δz) obey x' = A x + B u,
+//!
+//! A = [0 1 0; −M⁻¹K −M⁻¹C −M⁻¹∂F/∂z; ∂f/∂q ∂f/∂v ∂f/∂z].
+//!
+//! A state is kept as the speed of a hidden coordinate, whose row and column are left out: no zero of A comes from it.
+
+use nalgebra::DMatrix;
+
+use super::Guess;
+use super::point::LinearisationPoint;
+use crate::linear::{FirstOrder, LinearError, Residual, first_order_modes};
+use crate::matrix::solve_least;
+use crate::mechanism::{Coordinate, System, rate_name};
+
+/// Newton's method gives up after so many steps.
+const ITERATIONS: usize = 100;
+/// A step is halved down to this part of itself.
+const SHORTEST: f64 = 1e-9;
+/// An equation holds where no more than this part of its terms is left; what Newton's method ends with has some roundings.
+const BALANCED: f64 = 1e-9;
+/// Below so many roundings of its terms an equation is not improved.
+const EXACT: f64 = 4.0 * f64::EPSILON;
+/// What has become smaller than this part of all that it was is 0, if that is a rest too.
+const GONE: f64 = 1e-12;
+/// Sweeps of balancing A by powers of 2.
+const SWEEPS: usize = 30;
+
+/// A rest, or a steady motion, of a mechanism with states of first order, and its small departures x' = A x + B u.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StateSpace {
+    /// Coordinates and states with their values there, SI.
+    pub place: Vec<(String, f64)>,
+    /// Coordinates that move steadily, and their speeds.
+    pub speeds: Vec<(String, f64)>,
+    /// What is left of each equation, of its terms: the largest.
+    pub residual: f64,
+    /// Iterations of Newton's method.
+    pub iterations: usize,
+    /// The names of x: coordinates, their rates, states.
+    pub variables: Vec<String>,
+    /// A, 1/s where rows and columns are in the units of `variables`.
+    pub matrix: DMatrix<f64>,
+    /// The names of u.
+    pub inputs: Vec<String>,
+    /// B, a column for each input's value.
+    pub input: DMatrix<f64>,
+    /// Eigenvalues and shapes of A; these are in units of their own, see [`StateSpace::shapes`].
+    pub analysis: FirstOrder,
+    /// The unit of each variable in the analysis, a power of 2.
+    scales: Vec<f64>,
+}
+
+/// Finds the rest (or, with speeds in the guess, the steady motion) nearest to a guess of coordinates and states, or takes the guess itself
+/// where `here` is set, and linearises there.  States are the last of `guess.v`.
+///
+/// # Errors
+/// [`LinearError::NoEquilibrium`], [`LinearError::NotAnEquilibrium`], [`LinearError::HasConstraints`], [`LinearError::NotSmooth`],
+/// [`LinearError::Discontinuous`], [`LinearError::DependsOnTime`], and numbers that are not finite.
+pub fn linearise_states<S: System + ?Sized>(system: &S, guess: &Guess, here: bool) -> Result<StateSpace, LinearError> {
+    let mut search = Search::new(system, guess);
+    search.base.check(&search.q)?;
+    let iterations = if here { 0 } else { search.newton()? };
+    if !search.is_balanced(BALANCED) {
+        return Err(match here {
+            true => LinearError::NotAnEquilibrium { residual: search.left() },
+            false => search.nowhere(iterations),
+        });
+    }
+    search.base.check(&search.q)?;
+    search.linearised(iterations)
+}
+
+impl StateSpace {
+    /// The shapes of the eigenvalues that are not 0, in the order of `variables`, the largest component of each 1.
+    pub fn shapes(&self) -> Vec<Vec<nalgebra::Complex<f64>>> {
+        let whole = |shape: &nalgebra::DVector<nalgebra::Complex<f64>>| {
+            let mut all: Vec<_> = shape.iter().zip(&self.scales).map(|(x, scale)| x * *scale).collect();
+            let largest = all.iter().copied().max_by(|a, b| a.norm().total_cmp(&b.norm()));
+            if let Some(largest) = largest.filter(|x| x.norm() > 0.0) {
+                all.iter_mut().for_each(|x| *x /= largest);
+            }
+            all
+        };
+        self.analysis.shapes.iter().map(whole).collect()
+    }
+}
+
+struct Search {
+    base: LinearisationPoint,
+    coordinates: Vec<Coordinate>,
+    /// How many coordinates are not hidden.
+    n: usize,
+    q: Vec<f64>,
+}
+
+impl Search {
+    fn new<S: System + ?Sized>(system: &S, guess: &Guess) -> Search {
+        let description = system.description();
+        let (n, mut q) = (description.mechanical(), guess.q.clone());
+        q.iter_mut().skip(n).for_each(|hidden| *hidden = 0.0);
+        Search { base: LinearisationPoint::new(system, guess), coordinates: description.coordinates.to_vec(), n, q }
+    }
+
+    /// What is sought: coordinates and states.
+    fn unknowns(&self) -> Vec<f64> {
+        [&self.q[..self.n], &self.base.v[self.n..]].concat()
+    }
+
+    fn set(&mut self, unknowns: &[f64]) {
+        self.q[..self.n].copy_from_slice(&unknowns[..self.n]);
+        self.base.v[self.n..].copy_from_slice(&unknowns[self.n..]);
+    }
+
+    fn is_balanced(&self, part: f64) -> bool {
+        let (force, measure) = (self.base.force(&self.q), self.base.measure(&self.q));
+        force.iter().zip(measure).all(|(f, measure)| f.abs() <= part * measure)
+    }
+
+    /// ∂F/∂(q, z).
+    fn slopes(&self) -> DMatrix<f64> {
+        let [_, damping, stiffness] = self.base.matrices(&self.q);
+        let mut slopes = stiffness.to_dense();
+        slopes
+            .columns_mut(self.n, self.base.n - self.n)
+            .copy_from(&damping.to_dense().columns(self.n, self.base.n - self.n));
+        slopes
+    }
+
+    /// Newton's method by least steps, halved until the equations are better met; how many steps there were.
+    fn newton(&mut self) -> Result<usize, LinearError> {
+        let mut reach: Vec<f64> = self.unknowns().iter().map(|x| x.abs()).collect();
+        let mut iterations = 0;
+        while iterations < ITERATIONS && !self.is_balanced(EXACT) {
+            let slopes = self.slopes();
+            if slopes.iter().any(|x| !x.is_finite()) {
+                return Err(self.nowhere(iterations));
+            }
+            let weights: Vec<f64> = slopes.row_iter().map(|row| 1.0 / row.amax().max(f64::MIN_POSITIVE)).collect();
+            let size = |force: &[f64]| force.iter().zip(&weights).map(|(f, w)| (f * w).powi(2)).sum::<f64>();
+            let force = self.base.force(&self.q);
+            let right = DMatrix::from_column_slice(force.len(), 1, &force);
+            let Some(step) = solve_least(&slopes, &right) else { return Err(self.nowhere(iterations)) };
+            let (from, before) = (self.unknowns(), size(&force));
+            let mut part = 1.0;
+            loop {
+                let tried: Vec<f64> = from.iter().zip(step.iter()).map(|(x, step)| x - part * step).collect();
+                self.set(&tried);
+                if size(&self.base.force(&self.q)) < before {
+                    break;
+                }
+                part *= 0.5;
+                if part < SHORTEST {
+                    self.set(&from);
+                    return Ok(iterations);
+                }
+            }
+            iterations += 1;
+            reach.iter_mut().zip(self.unknowns()).for_each(|(reach, x)| *reach = reach.max(x.abs()));
+            self.without_rounding(&reach);
+        }
+        Ok(iterations)
+    }
+
+    /// Sets to 0 what has all but vanished, if that is a rest too.
+    fn without_rounding(&mut self, reach: &[f64]) {
+        let from = self.unknowns();
+        let gone = |(x, reach): (&f64, &f64)| if x.abs() <= GONE * reach { 0.0 } else { *x };
+        let clean: Vec<f64> = from.iter().zip(reach).map(gone).collect();
+        if clean != from {
+            self.set(&clean);
+            if !self.is_balanced(EXACT) {
+                self.set(&from);
+            }
+        }
+    }
+
+    /// The state, and what is left there, by name.
+    fn nowhere(&self, iterations: usize) -> LinearError {
+        LinearError::NoEquilibrium { iterations, point: self.place(), residual: self.left() }
+    }
+
+    fn place(&self) -> Vec<(String, f64)> {
+        let name = |c: &Coordinate| c.state().unwrap_or(&c.name).to_owned();
+        self.coordinates.iter().map(name).zip(self.unknowns()).collect()
+    }
+
+    fn left(&self) -> Vec<Residual> {
+        let forces = self.base.forces(&self.base.force(&self.q)).into_iter().zip(&self.coordinates);
+        let named = |(force, coordinate): (Residual, &Coordinate)| match coordinate.state() {
+            None => force,
+            // F of a hidden coordinate at rest is −z'.
+            Some(state) => Residual {
+                coordinate: format!("{state}'"),
+                force: -force.force,
+                unit: if coordinate.unit.is_empty() { String::new() } else { format!("{}/s", coordinate.unit) },
+            },
+        };
+        forces.map(named).collect()
+    }
+
+    fn linearised(&self, iterations: usize) -> Result<StateSpace, LinearError> {
+        let (n, all) = (self.n, self.base.n);
+        if let Some(jump) = self.base.jumps(&self.q).first() {
+            let residual = self.base.forces(&jump.force).into_iter().filter(|jump| jump.force != 0.0);
+            let jumps = residual.map(|jump| Residual { force: jump.force.abs(), ..jump }).collect();
+            return Err(LinearError::Discontinuous { point: self.place(), switch: jump.switch.clone(), jump: jumps });
+        }
+        if let Some(switch) = self.base.kink(&self.q) {
+            return Err(LinearError::NotSmooth { switch });
+        }
+        let [mass, damping, stiffness] = self.base.cleaned(&self.q);
+        let input = self.base.input(&self.q).to_dense();
+        let values = (0..input.ncols()).step_by(3).map(|k| input.column(k)).collect::<Vec<_>>();
+        let mut right = DMatrix::zeros(all, 2 * all + values.len());
+        right.columns_mut(0, all).copy_from(&-stiffness.to_dense());
+        right.columns_mut(all, all).copy_from(&-damping.to_dense());
+        values.iter().enumerate().for_each(|(k, column)| right.column_mut(2 * all + k).copy_from(column));
+        if right.iter().any(|x| !x.is_finite()) {
+            return Err(LinearError::NonFinite { what: "the linear model".to_owned() });
+        }
+        let solved = mass.to_dense().lu().solve(&right).filter(|x| x.iter().all(|x| x.is_finite()));
+        let solved = solved.ok_or(LinearError::NoConvergence { what: "the accelerations' derivatives" })?;
+        // Of [q; v] all but what is hidden of q.
+        let kept: Vec<usize> = (0..n).chain(all..2 * all).collect();
+        let mut matrix = DMatrix::zeros(kept.len(), kept.len());
+        matrix.view_mut((0, n), (n, n)).fill_with_identity();
+        for (column, k) in kept.iter().enumerate() {
+            matrix.view_mut((n, column), (all, 1)).copy_from(&solved.column(*k));
+        }
+        let mut drive = DMatrix::zeros(kept.len(), values.len());
+        drive.view_mut((n, 0), (all, values.len())).copy_from(&solved.columns(2 * all, values.len()));
+        let (balanced, scales) = balanced(&matrix);
+        let (force, measure) = (self.base.force(&self.q), self.base.measure(&self.q));
+        let part = |(f, measure): (&f64, &f64)| if *f == 0.0 { 0.0 } else { f.abs() / measure };
+        let names = self.coordinates[..n].iter().map(|c| c.name.to_string());
+        let moving = self.coordinates[..n].iter().zip(&self.base.v).filter(|(_, v)| **v != 0.0);
+        Ok(StateSpace {
+            place: self.place(),
+            speeds: moving.map(|(c, v)| (rate_name(&c.name), *v)).collect(),
+            residual: force.iter().zip(&measure).map(part).fold(0.0, f64::max),
+            iterations,
+            variables: names.chain(self.coordinates.iter().map(|c| rate_name(&c.name))).collect(),
+            analysis: first_order_modes(&balanced)?,
+            matrix,
+            inputs: self.base.system.borrow().description().inputs.iter().map(ToString::to_string).collect(),
+            input: drive,
+            scales,
+        })
+    }
+}
+
+/// D⁻¹ A D with D of powers of 2 so that rows and columns of it are of one size (Osborne, J. ACM 7, 1960), and D: ranks count by what is small
+/// beside the whole.
+fn balanced(matrix: &DMatrix<f64>) -> (DMatrix<f64>, Vec<f64>) {
+    let n = matrix.nrows();
+    let (mut a, mut scales) = (matrix.clone(), vec![1.0; n]);
+    for _ in 0..SWEEPS {
+        let mut changed = false;
+        for i in 0..n {
+            let off = |k: &usize| *k != i;
+            let row: f64 = (0..n).filter(off).map(|k| a[(i, k)].abs()).sum();
+            let column: f64 = (0..n).filter(off).map(|k| a[(k, i)].abs()).sum();
+            if row == 0.0 || column == 0.0 {
+                continue;
+            }
+            let factor = (0.5 * (row / column).log2()).round().exp2();
+            if factor == 1.0 || !factor.is_normal() {
+                continue;
+            }
+            a.column_mut(i).scale_mut(factor);
+            a.row_mut(i).scale_mut(1.0 / factor);
+            scales[i] *= factor;
+            changed = true;
+        }
+        if !changed {
+            break;
+        }
+    }
+    (a, scales)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn balancing_keeps_the_matrix_up_to_units() {
+        let matrix = DMatrix::from_row_slice(3, 3, &[0.0, 1e12, 0.0, 1e-12, -1.0, 1e9, 0.0, 1e-9, -2.0]);
+        let (balanced, scales) = balanced(&matrix);
+        assert!(balanced.amax() <= 4.0, "{balanced}");
+        for i in 0..3 {
+            for j in 0..3 {
+                assert_eq!(balanced[(i, j)] * scales[i] / scales[j], matrix[(i, j)]);
+            }
+        }
+    }
+}
