@@ -282,3 +282,25 @@ fn phases_that_follow_each_other_at_one_instant_end_the_run() {
         assert!(error.partial().unwrap().events.len() > 10);
     }
 }
+
+/// A foot without mass, tied a metre below a bob: what the ground gives it, and the ties hand on, is (1 + e) m v.
+#[test]
+fn an_impact_of_a_massless_foot_has_the_impulse_of_the_body_above() {
+    let text = "
+name: Foot
+parameters: {m: 2 kg, e: 0.5, g: 10 m/s^2, l: 1 m}
+coordinates: {u: m, w: m, x: m, y: m}
+bodies: {bob: {mass: m, position: \"[u, w]\"}, foot: {mass: 0, position: \"[x, y]\"}}
+gravity: [0, -g]
+constraints: {beside: x - u, below: w - y - l, ground: y}
+phases: {flight: [beside, below]}
+events: {strike: {when: y, direction: falling, then: {impact: e, along: ground}}}
+scene: {start: {u: 0, w: 1.8, x: 0, y: 0.8}, until: 0.5, tolerance: 1e-10}
+";
+    let run = Case::written(text).run();
+    let [impulse] = run.impulses.as_slice() else { panic!("{:?}", run.impulses) };
+    let of = |name: &str| impulse.constraints.iter().find(|(row, _)| row == name).expect("a row").1;
+    near(of("ground"), 2.0 * 1.5 * 4.0, 1e-9);
+    near(of("below").abs(), 2.0 * 1.5 * 4.0, 1e-9);
+    near(run.last()["w'"], 2.0 - 10.0 * 0.1, 1e-9);
+}
