@@ -86,23 +86,28 @@ fn printed(command: &str, folder: &Path) -> String {
     ended.map_or_else(|problem| format!("{text}{problem}\n"), |()| text.clone())
 }
 
-/// Runs every command of a page, and looks for what it shows, lines in order; the page's own model file stands in a `yaml`
-/// block.  Returns how many commands there are.
-fn commands_print_what_they_show(page: &str, model: &str) -> usize {
+/// Runs every command of a page, and looks for what it shows, lines in order; a `yaml` block is the model file that the next command with one
+/// names.  Returns how many commands there are.
+fn commands_print_what_they_show(page: &str) -> usize {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace's folder");
+    let folder = std::env::temp_dir().join(format!("dalembert-{}-{}", page.replace('/', "-"), std::process::id()));
     let page = std::fs::read_to_string(root.join(page)).expect("the page");
-    let folder = std::env::temp_dir().join(format!("dalembert-{model}-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("a folder");
     let blocks = blocks(&page);
-    let mut commands = 0;
+    let (mut commands, mut model) = (0, None);
     for (k, (kind, text)) in blocks.iter().enumerate() {
         if *kind == "yaml" {
             let program = compile(text, &[]).unwrap_or_else(|problems| panic!("{text}\n{problems:?}"));
             assert!(program.model.warnings.is_empty(), "{:?}", program.model.warnings);
-            std::fs::write(folder.join(model), text).expect("a file");
+            model = Some(text);
         }
         let Some(command) = text.strip_prefix("cargo run --release -- ") else { continue };
         commands += 1;
+        if let Some(file) = command.split_whitespace().find(|word| word.ends_with(".yaml"))
+            && let Some(text) = model.take()
+        {
+            std::fs::write(folder.join(file), text).expect("a file");
+        }
         let printed = printed(command, &folder);
         let mut lines = printed.lines();
         for shown in blocks[k + 1].1.lines().filter(|line| *line != "...") {
@@ -115,12 +120,12 @@ fn commands_print_what_they_show(page: &str, model: &str) -> usize {
 
 #[test]
 fn every_command_of_the_page_on_space_prints_what_it_shows() {
-    assert_eq!(commands_print_what_they_show("docs/space.md", "top_by_rotation.yaml"), 10);
+    assert_eq!(commands_print_what_they_show("docs/space.md"), 10);
 }
 
 #[test]
 fn every_command_of_the_page_on_orbits_prints_what_it_shows() {
-    assert_eq!(commands_print_what_they_show("docs/orbits.md", "walker.yaml"), 7);
+    assert_eq!(commands_print_what_they_show("docs/orbits.md"), 8);
 }
 
 #[test]

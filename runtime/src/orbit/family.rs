@@ -18,7 +18,7 @@ pub struct Family {
     pub name: String,
     /// Names of [q; q'].
     pub names: Vec<String>,
-    /// The motions.
+    /// The motions, those at thresholds among them.
     pub members: Vec<Member>,
     /// Where a multiplier crosses the unit circle, or the family turns back.
     pub thresholds: Vec<Threshold>,

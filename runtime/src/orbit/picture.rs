@@ -54,11 +54,11 @@ impl Family {
     fn chart(&self, label: &str, unit: &str, of: &dyn Fn(&Member) -> f64) -> Chart {
         let mut chart = Chart::new("", Axis::new(self.name.as_str(), ""), Axis::new(label, unit));
         for (grows, style) in [(false, Style::Line), (true, Style::Dashed)] {
-            let kept = |member: &&Member| member.multipliers.iter().any(|multiplier| multiplier.grows()) == grows;
-            // A line goes on to the first motion of the other kind, so that there is no gap between both.
+            let unstable = |member: &Member| member.multipliers.iter().any(|multiplier| multiplier.grows());
+            // Thresholds are members: a line changes there.
             let points = self.members.windows(2).flat_map(|pair| {
                 let [here, next] = [&pair[0], &pair[1]].map(|member| Some((member.value, of(member))));
-                if kept(&&pair[0]) { vec![here, next] } else { vec![None] }
+                if pair.iter().any(unstable) == grows { vec![here, next] } else { vec![None] }
             });
             let points: Vec<_> = points.collect();
             let name = if grows { "unstable" } else { "stable" };

@@ -33,6 +33,13 @@ pub(super) struct Spectrum {
     pieces: usize,
 }
 
+impl Spectrum {
+    /// How well changes over a piece are known: to the tolerance, beside the largest stretch.
+    pub fn noise(&self) -> f64 {
+        self.tolerance * self.stretch
+    }
+}
+
 /// What is known at the start of a piece, in units of the scales.
 struct Place {
     tangent: DMatrix<f64>,
@@ -226,7 +233,7 @@ pub(super) fn beside(found: &Spectrum, finer: Option<&Spectrum>) -> Vec<Multipli
     };
     let shadowed = |polar: &Polar| match polar.log == f64::NEG_INFINITY {
         true => 0.0,
-        false => found.tolerance * found.stretch / (polar.log / found.pieces as f64).exp().min(found.stretch),
+        false => found.noise() / (polar.log / found.pieces as f64).exp().min(found.stretch),
     };
     let error = |polar: &Polar| nearest(polar).max(shadowed(polar));
     let of = |polar: &Polar| {

@@ -242,16 +242,19 @@ impl Walk {
     ) -> Result<Vec<(Node, OrbitChange)>, Error> {
         let mut changes = self.between(from, to, h)?;
         changes.retain(|(found, _)| (low..=high).contains(&found.value));
+        let mut between = Vec::new();
         for (found, kind) in &changes {
-            family.thresholds.push(self.threshold(from, found, *kind));
+            let threshold = self.threshold(from, found, *kind);
+            between.push(threshold.member.clone());
+            family.thresholds.push(threshold);
         }
-        let mut asked: Vec<f64> =
-            values.iter().copied().filter(|value| (from.value - value) * (to.value - value) < 0.0).collect();
-        asked.sort_by(|a, b| (a - from.value).abs().total_cmp(&(b - from.value).abs()));
-        for value in asked {
+        for value in values.iter().copied().filter(|value| (from.value - value) * (to.value - value) < 0.0) {
             let found = self.locate(from, (h, to), &|node: &Node| node.value - value)?;
-            family.members.push(self.member(&found, true));
+            between.push(self.member(&found, true));
         }
+        let way = |member: &Member| (member.value - from.value).abs();
+        between.sort_by(|a, b| way(a).total_cmp(&way(b)));
+        family.members.extend(between);
         Ok(changes)
     }
 
