@@ -61,8 +61,6 @@ struct Here {
     x: f64,
     point: Point,
     multipliers: Vec<Polar>,
-    /// How well changes are known.
-    noise: f64,
 }
 
 /// A row that is being filled.
@@ -157,9 +155,9 @@ impl Row<'_> {
         let laps = &mut self.begun.laps;
         laps.system.set_parameter(self.across, x);
         let solution = laps.solve(guess.clone(), None)?;
-        let found = spectrum(laps, &solution.trial);
+        let multipliers = spectrum(laps, &solution.trial).multipliers;
         self.begun.at_rest(&solution)?;
-        Ok(Here { x, point: solution.point, noise: found.noise(), multipliers: found.multipliers })
+        Ok(Here { x, point: solution.point, multipliers })
     }
 
     /// The multipliers of a motion as more accurate flows have them.
@@ -242,7 +240,7 @@ impl Row<'_> {
             // In a narrow window the function is a parabola: its chord on the inner side is half as steep as its end.
             let slope = |other: &Here| ((value(other) - here) / (other.x - x)).abs();
             let located = (SAME * (b.x - a.x).abs()).max(4.0 * f64::EPSILON * x.abs());
-            (TOLD * ((finer - here).abs() + here.abs().max(found.noise)) / slope(a).min(slope(b))).max(located)
+            (TOLD * ((finer - here).abs() + here.abs()) / slope(a).min(slope(b))).max(located)
         });
         (kind, x, error)
     }

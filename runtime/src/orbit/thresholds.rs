@@ -108,9 +108,10 @@ impl Walk {
         self.begun.laps.settings = before;
         let along = (kind.measure(found) - kind.measure(from)) / (found.value - from.value);
         let error = finer.map_or(f64::NAN, |finer| {
-            // What the function is where it should be 0 is noise of motions, and no less than that of changes.
+            // What the function is where it should be 0 is noise of motions; where a direction is left out, no less than that of changes.
             let [here, there] = [found, &finer].map(|node| kind.measure(node));
-            let unsure = (there - here).abs() + here.abs().max(found.spectrum.noise());
+            let least = if kind == OrbitChange::Branch { found.spectrum.noise() } else { 0.0 };
+            let unsure = (there - here).abs() + here.abs().max(least);
             let moved = if kind == OrbitChange::Fold { 0.0 } else { unsure / along.abs() };
             // By what does not close, as along a direction that is left out, the motion is beside the family.
             let beside = found.slope.abs() * found.solution.trial.r.norm();
