@@ -6,12 +6,11 @@ use super::closing::{By, Difference};
 use super::found::Orbit;
 use super::guess::begin_at;
 use super::laps::{Laps, Point, Solution, TOLD, Time, itinerary, lcm};
-use super::smallest::{self, FOLLOWS};
+use super::smallest::{self, FOLLOWS, WithPeriod};
 use super::stability::{Spectrum, beside, spectrum};
 use super::structure::{self, Known};
 use crate::error::{Error, NoOrbit};
 use crate::find::Value;
-use crate::mechanism::System;
 use crate::run::{Names, Run};
 use crate::simulate::{Settings, simulate};
 use crate::vary::Leg;
@@ -204,7 +203,7 @@ impl Begun {
     }
 
     /// The mechanism with its present parameters and with all others, each with its period.
-    fn systems(&self, period: f64) -> Result<Vec<(Box<dyn System>, f64)>, Error> {
+    fn systems(&self, period: f64) -> Result<Vec<WithPeriod>, Error> {
         let laps = &self.laps;
         let of = |changes: &[(usize, f64)]| {
             let mut system = laps.system.boxed_clone();

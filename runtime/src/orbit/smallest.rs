@@ -11,11 +11,14 @@ const TIMES: usize = 24;
 /// Coordinates that follow each other to this part of how far they go are one another's images.
 pub(super) const FOLLOWS: f64 = 1e-6;
 
+/// The mechanism with some parameters, and its period with these, s.
+pub(super) type WithPeriod = (Box<dyn System>, f64);
+
 /// The map of the smallest part of the period after which coordinates follow each other, exchanged or mirrored, where the mechanism moves
 /// alike from a state and from its image: with its present parameters, and with all others for which it is asked, each with its period.
 /// `None` where there is none but that of the whole period.
 pub(super) fn smallest(
-    systems: &[(Box<dyn System>, f64)],
+    systems: &[WithPeriod],
     run: &Run,
     (from, period): (f64, f64),
     scales: &[f64],
@@ -26,9 +29,8 @@ pub(super) fn smallest(
         .collect();
     (2..=PARTS).rev().find_map(|part| {
         let closing = followed(&*systems.first()?.0, run, (from, period, part), scales)?;
-        let differs = |(system, period): &(Box<dyn System>, f64)| {
-            closing.differs(&**system, &states, period / part as f64).is_some()
-        };
+        let differs =
+            |(system, period): &WithPeriod| closing.differs(&**system, &states, period / part as f64).is_some();
         (!systems.iter().any(differs)).then_some(closing)
     })
 }
