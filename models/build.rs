@@ -1,4 +1,4 @@
-//! Lists the model files of this folder, so that a new one is compiled without any other change.
+//! Lists the model files of this folder, so that a new one needs no other change; with the feature `compiled` each is compiled.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -17,26 +17,33 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .filter(|name| name.ends_with(".yaml"))
         .collect();
     files.sort();
+    let compiled = std::env::var_os("CARGO_FEATURE_COMPILED").is_some();
     let (mut modules, mut entries) = (String::new(), String::new());
     let mut taken = BTreeSet::new();
     for file in &files {
         let stem = file.trim_end_matches(".yaml");
-        let module = module(stem, &mut taken);
-        let name = print::type_name(&print::name_in(&std::fs::read_to_string(folder.join(file))?));
-        let words = format!("The model file `{file}`.");
         let path = format!("concat!(env!(\"CARGO_MANIFEST_DIR\"), {:?})", format!("/{file}"));
-        let meant = if OVER_CONSTRAINED.contains(&file.as_str()) { "#[allow(deprecated)]\n" } else { "" };
-        writeln!(
-            modules,
-            "{meant}#[doc = {words:?}]\npub mod {module} {{\n    ::dalembert::model!({file:?}, name = {name});\n}}"
-        )?;
+        let mut system = "None".to_owned();
+        if compiled {
+            let module = module(stem, &mut taken);
+            let name = print::type_name(&print::name_in(&std::fs::read_to_string(folder.join(file))?));
+            let words = format!("The model file `{file}`.");
+            let meant = if OVER_CONSTRAINED.contains(&file.as_str()) { "#[allow(deprecated)]\n" } else { "" };
+            writeln!(
+                modules,
+                "{meant}#[doc = {words:?}]\npub mod {module} {{\n    ::dalembert::model!({file:?}, name = {name});\n}}"
+            )?;
+            system = format!(
+                "Some(|| ::std::boxed::Box::new(::dalembert::mechanism::Dynamic::new(<self::{module}::{name} as ::std::default::Default>::default())))"
+            );
+        }
         writeln!(
             entries,
-            "    Entry {{ name: {stem:?}, source: include_str!({path}), path: {path}, system: || ::std::boxed::Box::new(Dynamic::new(<self::{module}::{name} as ::std::default::Default>::default())) }},"
+            "    ::dalembert::cli::Entry {{ name: {stem:?}, source: include_str!({path}), path: {path}, compiled: {system} }},"
         )?;
     }
     let text = format!(
-        "{modules}\n/// Every model, by file name.\npub static MODELS: &[::dalembert::cli::Entry] = {{\n    use ::dalembert::cli::Entry;\n    use ::dalembert::mechanism::Dynamic;\n    &[\n{entries}]\n}};\n"
+        "{modules}\n/// Every model, by file name.\npub static MODELS: &[::dalembert::cli::Entry] = &[\n{entries}];\n"
     );
     std::fs::write(Path::new(&std::env::var("OUT_DIR")?).join("models.rs"), text)?;
     Ok(())

@@ -53,6 +53,7 @@ mod vary;
 
 pub use cause::{Cause, GimbalLock};
 pub use constrain::Residuals;
+#[cfg(feature = "macros")]
 pub use dalembert_macros::model;
 pub use error::{Error, Inseparable, NoOrbit, NoSlopes, Nonlinear, NotFound};
 pub use mechanism::{Enforcement, Method, ParseMethodError, Stabilisation};

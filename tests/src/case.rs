@@ -19,7 +19,7 @@ impl Case {
     /// A model of the library by name, with its default scene.
     pub fn new(name: &str) -> Self {
         let entry = dalembert_models::MODELS.iter().find(|entry| entry.name == name);
-        let system = (entry.unwrap_or_else(|| panic!("no model `{name}`")).system)();
+        let system = (entry.unwrap_or_else(|| panic!("no model `{name}`")).compiled.expect("its code"))();
         Self::from_system(system)
     }
 

@@ -319,10 +319,14 @@ fn slopes_are_those_of_difference_quotients() {
     let mut compared = 0;
     for (model, until, unknowns, outputs) in cases {
         let entry = MODELS.iter().find(|entry| entry.name == model).expect("a model");
-        let known: Vec<String> =
-            (entry.system)().description().parameters.iter().map(|parameter| parameter.name.to_string()).collect();
+        let known: Vec<String> = (entry.compiled.expect("its code"))()
+            .description()
+            .parameters
+            .iter()
+            .map(|parameter| parameter.name.to_string())
+            .collect();
         for (option, name, _) in unknowns {
-            let system = (entry.system)();
+            let system = (entry.compiled.expect("its code"))();
             let place = known.iter().position(|parameter| parameter == name);
             let scene = system.scene(0);
             let coordinates = &system.description().coordinates;

@@ -12,7 +12,7 @@ pub fn command() -> Command {
         .version(env!("CARGO_PKG_VERSION"))
         .subcommand_required(true)
         .arg_required_else_help(true)
-        .subcommand(Command::new("list").about("Names the compiled models"))
+        .subcommand(Command::new("list").about("Names the models of the library"))
         .subcommand(
             Command::new("show")
                 .about("Prints the derived equations, operation counts and what was recognised")
@@ -303,7 +303,7 @@ fn model() -> Arg {
     Arg::new("model")
         .value_name("NAME")
         .required(true)
-        .help("A compiled model's name, or the path of any model file; - for standard input")
+        .help("A model's name, or the path of any model file; - for standard input")
 }
 
 fn sizes() -> [Arg; 1] {

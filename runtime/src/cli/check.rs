@@ -141,7 +141,7 @@ fn as_json(models: &[Entry], name: &str, options: &ArgMatches, out: &mut dyn Wri
     let object = object([
         ("name", text.name.into()),
         ("coordinates", model.mechanical().into()),
-        ("states", model.states.len().into()),
+        ("states_of_first_order", model.states.len().into()),
         ("stated_once", words(&once_stated(&program))),
         ("agreements", agreements.collect()),
         ("degrees_of_freedom", words(&freedoms::lines(&program))),

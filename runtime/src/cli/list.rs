@@ -1,17 +1,21 @@
-//! `list`: the compiled models.
+//! `list`: the models that go by a name.
 
 use std::io::Write;
 
+use dalembert_symbolic::file;
+use dalembert_symbolic::model::load_in;
+
+use super::load::folder;
 use super::{Entry, Problem};
 
 /// One line a model: name, degrees of freedom (without constraints as many as coordinates), the first sentence about it.
 pub fn run(models: &[Entry], out: &mut dyn Write) -> Result<(), Problem> {
     let width = models.iter().map(|entry| entry.name.len()).max().unwrap_or(0);
     for entry in models {
-        let system = (entry.system)();
-        let description = system.description();
-        let n = description.mechanical();
-        let about = description.about.split(". ").next().unwrap_or("").trim_end_matches('.');
+        let model = load_in(folder(entry.path), entry.source, &[])
+            .map_err(|problems| Problem::Model(file::render(entry.path, entry.source, &problems)))?;
+        let n = model.mechanical();
+        let about = model.about.split(". ").next().unwrap_or("").trim_end_matches('.');
         let freedom = if n == 1 { "degree of freedom, " } else { "degrees of freedom," };
         writeln!(out, "{:width$}  {n:3} {freedom} {about}", entry.name)?;
     }

@@ -1,4 +1,4 @@
-//! Finding a model: compiled, by name; or any file, by path, interpreted.
+//! Finding a model: one of the library by its name, compiled where the program has it so; or any file, by path, interpreted.
 
 use std::io::{IsTerminal, Read, Write};
 use std::path::Path;
@@ -21,7 +21,7 @@ pub struct ModelFile {
     pub name: String,
     /// Where its file is.
     pub path: String,
-    /// What stands in it (stood, when it was compiled).
+    /// What stands in it; where its code was compiled with the program, what stood in it then.
     pub source: String,
     /// Sizes other than the file's.
     pub sizes: Vec<(String, i64)>,
@@ -31,7 +31,9 @@ impl ModelFile {
     /// The text of the model of this name or path, whatever is wrong with it.
     pub fn named(models: &[Entry], name: &str, sizes: Vec<(String, i64)>) -> Result<ModelFile, Problem> {
         if let Some(entry) = models.iter().find(|entry| entry.name == name) {
-            let (path, source) = (entry.path.to_owned(), entry.source.to_owned());
+            let now = || std::fs::read_to_string(entry.path).ok();
+            let source = if entry.compiled.is_some() { None } else { now() };
+            let (path, source) = (entry.path.to_owned(), source.unwrap_or_else(|| entry.source.to_owned()));
             return Ok(ModelFile { name: name.to_owned(), path, source, sizes });
         }
         ModelFile::read(models, name, sizes)
@@ -77,7 +79,7 @@ pub struct Loaded {
     pub name: String,
     /// Where its file is.
     pub path: String,
-    /// Its file's text (when it was compiled).
+    /// What stands in it; where its code was compiled with the program, what stood in it then.
     pub source: String,
     /// Sizes other than the file's.
     pub sizes: Vec<(String, i64)>,
@@ -85,6 +87,8 @@ pub struct Loaded {
     pub system: Box<dyn System>,
     /// What the user should know.
     pub warnings: Vec<String>,
+    /// What is interpreted.
+    derived: Option<Program>,
 }
 
 impl Loaded {
@@ -96,14 +100,16 @@ impl Loaded {
 
     /// Finds a model by its name or path.
     pub fn named(models: &[Entry], name: &str, sizes: Vec<(String, i64)>) -> Result<Loaded, Problem> {
-        if let Some(entry) = models.iter().find(|entry| entry.name == name) {
-            return Loaded::compiled(entry, sizes);
+        if let Some(entry) = models.iter().find(|entry| entry.name == name)
+            && let Some(system) = entry.compiled
+        {
+            return Loaded::compiled(entry, system, sizes);
         }
-        let ModelFile { name, path, source, sizes } = ModelFile::read(models, name, sizes)?;
+        let ModelFile { name, path, source, sizes } = ModelFile::named(models, name, sizes)?;
         Loaded::interpreted(name, path, source, sizes)
     }
 
-    fn compiled(entry: &Entry, sizes: Vec<(String, i64)>) -> Result<Loaded, Problem> {
+    fn compiled(entry: &Entry, system: fn() -> Box<dyn System>, sizes: Vec<(String, i64)>) -> Result<Loaded, Problem> {
         let mut warnings = Vec::new();
         if let Ok(now) = std::fs::read_to_string(entry.path)
             && fnv1a(&now) != fnv1a(entry.source)
@@ -114,18 +120,21 @@ impl Loaded {
         if !sizes.is_empty() {
             return Loaded::interpreted(name, path, source, sizes);
         }
-        Ok(Loaded { name, path, source, sizes, system: (entry.system)(), warnings })
+        Ok(Loaded { name, path, source, sizes, system: system(), warnings, derived: None })
     }
 
     fn interpreted(name: String, path: String, source: String, sizes: Vec<(String, i64)>) -> Result<Loaded, Problem> {
         let program = compiled_or_problem(&path, &source, &sizes)?;
-        let system = Box::new(Interpreted::new(program, &source));
-        Ok(Loaded { name, path, source, sizes, system, warnings: Vec::new() })
+        let system = Box::new(Interpreted::new(program.clone(), &source));
+        Ok(Loaded { name, path, source, sizes, system, warnings: Vec::new(), derived: Some(program) })
     }
 
-    /// Derives the model again, for what the compiled code does not keep.
+    /// The derived model, for what the compiled code does not keep.
     pub fn program(&self) -> Result<Program, Problem> {
-        compiled_or_problem(&self.path, &self.source, &self.sizes)
+        match &self.derived {
+            Some(program) => Ok(program.clone()),
+            None => compiled_or_problem(&self.path, &self.source, &self.sizes),
+        }
     }
 
     /// The model with its names, for reading expressions.

@@ -1,4 +1,4 @@
-//! The command line, for any list of compiled models.
+//! The command line, for any list of models.
 //!
 //! A crate gets the program for its own models in three lines:
 //!
@@ -49,17 +49,17 @@ use crate::mechanism::System;
 
 pub use problem::Problem;
 
-/// A compiled model.
+/// A model that goes by its name.
 #[derive(Clone, Copy)]
 pub struct Entry {
     /// The file's name without `.yaml`.
     pub name: &'static str,
-    /// The file's text when it was compiled.
+    /// The file's text when the program was built.
     pub source: &'static str,
     /// Where the file is.
     pub path: &'static str,
-    /// A system with the file's parameters.
-    pub system: fn() -> Box<dyn System>,
+    /// A system with the file's parameters, where it was compiled with the program; else the file is derived anew and interpreted.
+    pub compiled: Option<fn() -> Box<dyn System>>,
 }
 
 /// Runs the program with the process's arguments.

@@ -1,6 +1,8 @@
 //! Generated code against the interpreter of the same program.
 
+use dalembert::cli::Entry;
 use dalembert::mechanism::{Interpreted, System};
+use dalembert_models::MODELS;
 use dalembert_symbolic::lower::compile;
 use dalembert_tests::both::{Drawn, assert_same};
 
@@ -8,8 +10,8 @@ use dalembert_tests::both::{Drawn, assert_same};
 #[test]
 fn frequencies_are_those_of_the_file() {
     let system = |name: &str| {
-        let entry = dalembert_models::MODELS.iter().find(|entry| entry.name == name).expect("a model");
-        (entry.system)()
+        let entry = MODELS.iter().find(|entry| entry.name == name).expect("a model");
+        (entry.compiled.expect("its code"))()
     };
     let parameter = |system: &dyn System, name: &str| {
         let place = system.description().parameters.iter().position(|known| known.name == name);
@@ -33,10 +35,10 @@ fn frequencies_are_those_of_the_file() {
 /// In every scene of every model, and with other parameters, both compute the same to rounding.
 #[test]
 fn compiled_and_interpreted_models_agree() {
-    for entry in dalembert_models::MODELS {
+    for entry in MODELS {
         let program = compile(entry.source, &[]).unwrap_or_else(|_| panic!("{} does not compile", entry.name));
         let mut interpreted = Interpreted::new(program, entry.source);
-        let mut compiled = (entry.system)();
+        let mut compiled = (entry.compiled.expect("its code"))();
         assert_eq!(compiled.motions(), interpreted.motions(), "{}", entry.name);
         // Motions have scenes of their own.
         for scene in 0..compiled.description().scenes.len() + compiled.motions().len() {
@@ -68,4 +70,26 @@ fn compiled_and_interpreted_models_agree() {
             assert_same(&name, &*compiled, &interpreted, &state, 1e-12);
         }
     }
+}
+
+/// A program without the models' code derives their files, as they are, and tells the same.
+#[test]
+fn a_program_without_code_tells_the_same() {
+    let interpreted: Vec<Entry> = MODELS.iter().map(|entry| Entry { compiled: None, ..*entry }).collect();
+    let told = |models: &[Entry], arguments: &[&str]| {
+        let mut out = Vec::new();
+        dalembert::cli::run(models, ["dalembert"].iter().chain(arguments), &mut out).map_err(|e| e.to_string())?;
+        String::from_utf8(out).map_err(|e| e.to_string())
+    };
+    for arguments in [
+        &["list"][..],
+        &["simulate", "bouncing_ball"],
+        &["modes", "four_bar"],
+        &["show", "motor"],
+        &["check", "heavy_top"],
+    ] {
+        let text = told(MODELS, arguments);
+        assert!(text.is_ok() && text == told(&interpreted, arguments), "{arguments:?}: {text:?}");
+    }
+    assert_eq!(told(&interpreted, &["show", "motr"]), told(MODELS, &["show", "motr"]));
 }

@@ -19,7 +19,7 @@ fn systems(system: &dyn System) -> Vec<String> {
 fn every_model_moves_by_momentum_alone() {
     let mut runs = 0;
     for entry in MODELS {
-        let system = (entry.system)();
+        let system = (entry.compiled.expect("its code"))();
         let first = system.description().balances.iter().filter(|balances| balances.phases.contains(&0));
         let names: Vec<String> = first.map(|balances| balances.name.to_string()).collect();
         for name in names {
