@@ -4,7 +4,7 @@ use super::found::Value;
 use super::multiple::MultipleRoot;
 use super::search::{Condition, Equations, Seeker, Solution};
 use super::trial::{Sought, Trial};
-use crate::vary::LOOSER;
+use crate::vary::Second;
 
 /// How far unknowns, and what conditions come to, may be off.
 pub(super) struct Errors {
@@ -15,7 +15,7 @@ pub(super) struct Errors {
 }
 
 impl Seeker {
-    /// What a run at a looser tolerance would have the unknowns be otherwise, and the last step; and how far its conditions are off.  Along the
+    /// What a second run would have the unknowns be otherwise, and the last step; and how far its conditions are off.  Along the
     /// direction of a multiple root, what both leave of the equations tells how far away it may be.
     pub fn errors(
         &mut self,
@@ -25,24 +25,23 @@ impl Seeker {
         equations: &dyn Fn(&Seeker, Trial, &[f64]) -> Equations,
     ) -> Errors {
         self.runs += 1;
-        let looser = self.source.try_with(&solution.values, LOOSER * self.source.settings.tolerance);
-        let Ok(rough) = looser else {
+        let Some(Second { run: other, told }) = self.source.second(&solution.values, &solution.equations.trial) else {
             let unknown = |count| vec![f64::NAN; count];
             return Errors { values: unknown(scales.len()), reached: unknown(self.conditions.len()), end: f64::NAN };
         };
-        let ends = [solution.equations.trial.end(), rough.end()].map(|end| end.map_or(&[][..], |end| &end.values));
+        let ends = [solution.equations.trial.end(), other.end()].map(|end| end.map_or(&[][..], |end| &end.values));
         let off = |condition: &Condition| match ends.map(|values| values.get(condition.column)) {
-            [Some(fine), Some(rough)] => (fine - rough).abs(),
+            [Some(value), Some(other)] => told * (value - other).abs(),
             _ => f64::NAN,
         };
         let reached = self.conditions.iter().map(off).collect();
-        let ends_alike = self.end_difference(&solution.equations.trial, &rough);
-        let rough = equations(self, rough, scales);
+        let ends_alike = told * self.end_difference(&solution.equations.trial, &other);
+        let other = equations(self, other, scales);
         let r = &solution.equations.r;
         let linear = multiple.map_or(&solution.linear, |root| &root.others);
-        let mut moved = (linear.step(&rough.r) - linear.step(r)).abs().add_scalar(linear.step(r).norm());
+        let mut moved = (told * (linear.step(&other.r) - linear.step(r)).abs()).add_scalar(linear.step(r).norm());
         if let Some(root) = multiple {
-            let away = root.distance(r, &(&rough.r - r), self.source.settings.tolerance);
+            let away = root.distance(r, &(told * (&other.r - r)), self.source.settings.tolerance);
             moved += away * root.direction.abs();
         }
         let values: Vec<f64> = moved.iter().zip(scales).map(|(moved, scale)| moved * scale).collect();

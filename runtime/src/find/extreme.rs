@@ -9,7 +9,7 @@ use super::search::{HALVES, MISSED, STEPS, Seeker};
 use super::trial::Trial;
 use crate::error::{Error, NotFound};
 use crate::mechanism::Extreme;
-use crate::vary::LOOSER;
+use crate::vary::Second;
 
 /// By what part of itself an unknown is moved to see how slopes change.  Slopes are known to some eleven digits, so that five of the second
 /// derivatives are right: they decide how fast the search converges, not where it ends.
@@ -196,18 +196,20 @@ fn finish(
     if step.curvatures.iter().any(|curvature| *curvature > -flat) {
         return Err(NotFound::NoExtreme { name: name.to_owned(), values: seeker.named(&values) }.into());
     }
-    // A run at a looser tolerance has its gradient vanish elsewhere.
+    // A second run has its gradient vanish elsewhere.
     seeker.runs += 1;
-    let looser = LOOSER * seeker.source.settings.tolerance;
-    let rough = seeker.source.try_with(&values, looser).ok();
-    let (errors, end_error, later) = match rough {
-        Some(rough) => {
-            let later = seeker.end_difference(&now.trial, &rough);
-            let rough = place(seeker, rough, column, sign, scales);
-            let moved = &rough.gradient - &now.gradient;
+    let (errors, end_error, later) = match seeker.source.second(&values, &now.trial) {
+        Some(Second { run: other, told }) => {
+            let later = told * seeker.end_difference(&now.trial, &other);
+            let other = place(seeker, other, column, sign, scales);
+            let moved = told * (&other.gradient - &now.gradient).norm();
             let least = step.curvatures.iter().fold(f64::INFINITY, |least, x| least.min(x.abs()));
-            let error = moved.norm() / least + step.x.norm();
-            (scales.iter().map(|scale| scale * error).collect::<Vec<f64>>(), (rough.value - now.value).abs(), later)
+            let error = moved / least + step.x.norm();
+            (
+                scales.iter().map(|scale| scale * error).collect::<Vec<f64>>(),
+                told * (other.value - now.value).abs(),
+                later,
+            )
         }
         None => (vec![f64::NAN; scales.len()], f64::NAN, f64::NAN),
     };

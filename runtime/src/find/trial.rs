@@ -4,7 +4,7 @@ use crate::error::Error;
 use crate::mechanism::System;
 use crate::run::Names;
 use crate::simulate::{Origin, Settings};
-use crate::vary::{Point, Unknown, Varied, varied};
+use crate::vary::{Point, Second, Unknown, Varied, second, varied};
 
 /// What is unknown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,14 +39,19 @@ pub(super) struct Trial {
 impl Source {
     /// Runs at these values, with slopes.
     pub fn try_at(&mut self, values: &[f64]) -> Result<Trial, Error> {
-        let tolerance = self.settings.tolerance;
-        self.try_with(values, tolerance)
+        let settings = self.settings.clone();
+        self.try_with(values, settings)
     }
 
-    /// At another tolerance.
-    pub fn try_with(&mut self, values: &[f64], tolerance: f64) -> Result<Trial, Error> {
+    /// A second run at the values of a first one.
+    pub fn second(&mut self, values: &[f64], first: &Trial) -> Option<Second<Trial>> {
+        let settings = self.settings.clone();
+        let again = |other: &Settings| self.try_with(values, other.clone());
+        second(&first.varied.run, &settings, again, |trial| &trial.varied.run)
+    }
+
+    fn try_with(&mut self, values: &[f64], mut settings: Settings) -> Result<Trial, Error> {
         let n = self.system.len();
-        let mut settings = Settings { tolerance, ..self.settings.clone() };
         for (sought, value) in self.sought.iter().zip(values) {
             if let Sought::Of(Unknown::Parameter(k)) = sought {
                 self.system.set_parameter(*k, *value);

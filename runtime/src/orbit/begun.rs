@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::closing::{By, Difference};
 use super::found::Orbit;
 use super::guess::begin_at;
-use super::laps::{Laps, Point, Solution, TOLD, Time, itinerary, lcm};
+use super::laps::{Laps, Point, Solution, Time, itinerary, lcm};
 use super::smallest::{self, FOLLOWS, WithPeriod};
 use super::stability::{Spectrum, beside, spectrum};
 use super::structure::{self, Known};
@@ -13,7 +13,7 @@ use crate::error::{Error, NoOrbit};
 use crate::find::Value;
 use crate::run::{Names, Run};
 use crate::simulate::{Settings, simulate};
-use crate::vary::Leg;
+use crate::vary::{Leg, TOLD};
 
 /// No piece is to stretch one change by more than this beside another: what is left of sixteen digits is that of its multipliers.
 const SPREAD: f64 = 1e4;

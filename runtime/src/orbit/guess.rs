@@ -168,6 +168,9 @@ fn settle(system: &mut dyn System, settings: &mut Settings, (closing, lap): (&Cl
     Ok(())
 }
 
+/// A coordinate that moves by this part of itself moves by rounding.
+const RESTS: f64 = 64.0 * f64::EPSILON;
+
 /// How far coordinates of one unit go, and rates.
 pub(super) fn sizes(run: &Run) -> Vec<f64> {
     let coordinates = &run.description.coordinates;
@@ -175,8 +178,14 @@ pub(super) fn sizes(run: &Run) -> Vec<f64> {
     let range = |i: usize| {
         let values = run.rows.chunks_exact(2 * n).map(|row| row[i]);
         let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
-        high - low
+        (high - low, high.abs().max(low.abs()))
     };
+    // What moves by no more than rounding rests, and so does its rate.
+    let rests = |i: usize| {
+        let (range, largest) = range(i);
+        range <= RESTS * largest
+    };
+    let range = |i: usize| if rests(i % n) { 0.0 } else { range(i).0 };
     let of = |i: usize| {
         let half = if i < n { 0 } else { n };
         let alike = (0..n).filter(|k| coordinates[*k].unit == coordinates[i - half].unit);

@@ -8,18 +8,13 @@ use crate::error::{Error, NoOrbit};
 use crate::find::Linearised;
 use crate::mechanism::System;
 use crate::simulate::Settings;
-use crate::vary::{Leg, leg};
+use crate::vary::{Leg, finer, leg};
 
 /// A step is shortened by halves at most so often, and so many steps are taken.
 const HALVES: usize = 10;
 const STEPS: usize = 40;
 /// Steps of this size, in parts of what they change, are rounding of runs at the tightest tolerance.
 const LEAST: f64 = 1e-14;
-/// By how much the tolerance of runs is tighter, by which errors are told.
-const TIGHTER: f64 = 16.0;
-/// Errors are told as so many times the difference to runs with half the steps, which have errors of their own: a half of those of a method
-/// of order 1.
-pub(super) const TOLD: f64 = 2.0;
 /// Pieces of this many times the steps of the first ones go somewhere else.
 const MORE_STEPS: u64 = 20;
 const STEPS_ANYHOW: u64 = 1000;
@@ -200,13 +195,7 @@ impl Laps {
         let before = self.settings.clone();
         let mean = |piece: &Leg| (piece.end.t - piece.start.t) / piece.run.work.steps.max(1) as f64;
         let least = trial.pieces.iter().map(mean).filter(|mean| *mean > 0.0).fold(f64::INFINITY, f64::min);
-        let settings = &mut self.settings;
-        settings.tolerance = (settings.tolerance / TIGHTER).max(Settings::TIGHTEST);
-        if let Some(step) = &mut settings.step {
-            *step *= 0.5;
-        } else if least.is_finite() {
-            settings.longest_step = Some(settings.longest_step.map_or(0.5 * least, |longest| longest.min(0.5 * least)));
-        }
+        self.settings = finer(&before, least);
         before
     }
 

@@ -8,7 +8,8 @@ use crate::run::Run;
 const PARTS: usize = 12;
 /// Coordinates follow each other at so many times of a period.
 const TIMES: usize = 24;
-/// Coordinates that follow each other to this part of how far they go are one another's images.
+/// Coordinates that follow each other to this part of how far they go are one another's images: motions that are compared are known to a tenth
+/// of it.
 pub(super) const FOLLOWS: f64 = 1e-6;
 
 /// The mechanism with some parameters, and its period with these, s.

@@ -4,10 +4,10 @@ use nalgebra::{DMatrix, DVector};
 
 use super::closing::By;
 use super::found::Multiplier;
-use super::laps::{Laps, TOLD, Time, Trial};
+use super::laps::{Laps, Time, Trial};
 use super::multipliers::{Polar, multipliers};
 use super::structure::{self, Known};
-use crate::vary::put;
+use crate::vary::{TOLD, put};
 
 /// A direction has an image at all where the map leaves this part of it.
 const LEAVES: f64 = 1e-6;

@@ -3,13 +3,14 @@
 use super::begun::Begun;
 use super::family::{OrbitChange, sampled};
 use super::found::Multiplier;
-use super::laps::{Point, TOLD, lcm};
+use super::laps::{Point, lcm};
 use super::multipliers::Polar;
 use super::search::OrbitSearch;
 use super::stability::spectrum;
 use super::thresholds::SAME;
 use crate::error::Error;
 use crate::events::{Around, locate};
+use crate::vary::TOLD;
 
 /// What happens at boundaries; a motion of a map is followed by its parameters, so that it never turns back.
 const KINDS: [OrbitChange; 3] = [OrbitChange::Branch, OrbitChange::Doubling, OrbitChange::Pair];
@@ -199,7 +200,8 @@ impl Row<'_> {
     /// A motion between neighbours on whose sides a function has the other sign, where they point to one.
     fn window(&mut self, kind: OrbitChange, [a, b, c]: [&Here; 3]) -> Option<Here> {
         let [u, v, w] = [a, b, c].map(|here| kind.of_multipliers(&here.multipliers));
-        let least = v.abs() <= u.abs().min(w.abs()) && u * v > 0.0 && v * w > 0.0;
+        // Of two that are equal the second one, so that a window between both is found once.
+        let least = v.abs() <= u.abs() && v.abs() < w.abs() && u * v > 0.0 && v * w > 0.0;
         // The parabola through the three: its least value beside that in the middle.
         let (left, right) = ((u - v) / (a.x - b.x), (w - v) / (c.x - b.x));
         let curvature = (right - left) / (c.x - a.x);

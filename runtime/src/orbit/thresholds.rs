@@ -3,11 +3,11 @@
 use nalgebra::Complex;
 
 use super::family::{OrbitChange, Threshold};
-use super::laps::TOLD;
 use super::multipliers::Polar;
 use super::walk::{Node, Walk};
 use crate::error::Error;
 use crate::events::{Around, locate};
+use crate::vary::TOLD;
 
 /// Pairs whose logarithms are less than this are on the unit circle.
 const CIRCLE: f64 = 1e-7;
@@ -33,9 +33,12 @@ impl OrbitChange {
         }
     }
 
-    /// Whether it happens between two members at which its function has these values.
+    /// Whether it happens between two members at which its function has these values, or at one of them; of pairs 0 means that there is none.
     pub(super) fn is_between(self, a: f64, b: f64) -> bool {
-        a * b < 0.0 && (self != OrbitChange::Pair || a.abs().max(b.abs()) > CIRCLE)
+        match self {
+            OrbitChange::Pair => a * b < 0.0 && a.abs().max(b.abs()) > CIRCLE,
+            _ => (a < 0.0 && b >= 0.0) || (a >= 0.0 && b < 0.0),
+        }
     }
 }
 

@@ -12,6 +12,7 @@ mod junction;
 mod leg;
 mod momenta;
 mod response;
+mod second;
 mod slopes;
 mod start;
 mod variational;
@@ -19,7 +20,8 @@ mod variational;
 use crate::error::NoSlopes;
 pub(crate) use junction::put;
 pub(crate) use leg::{Leg, leg};
-pub(crate) use slopes::{LOOSER, Point, Varied, named, run_with_slopes, unknown, varied};
+pub(crate) use second::{Second, TOLD, finer, second};
+pub(crate) use slopes::{Point, Varied, named, run_with_slopes, unknown, varied};
 pub use slopes::{Slope, Slopes};
 
 /// Something that a motion depends on.

@@ -3,6 +3,7 @@
 use super::flow::{Moment, Way, at_event, follow, range};
 use super::junction::{Column, put};
 use super::response::Response;
+use super::second::{Second, second};
 use super::start::{self, Start};
 use super::{NoSlopes, Unknown};
 use crate::error::Error;
@@ -31,14 +32,13 @@ pub struct Slopes {
 pub struct Slope {
     /// ∂x/∂p.
     pub value: f64,
-    /// The difference to the value of a run at sixteen times the tolerance, or rounding; NaN where there was no second run.
+    /// The difference to the value of a run at sixteen times the tolerance, or, where that has the same steps, twice that to a run with half the
+    /// steps; at least rounding; NaN where there was no second run.
     pub error: f64,
 }
 
 /// So much of a number p ∂x/∂p, beside the largest x, may be rounding.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
-/// The tolerance of the second run, in units of the first: its errors are as many times as large, as far as they follow the tolerance.
-pub(crate) const LOOSER: f64 = 16.0;
 
 impl Slopes {
     /// The times at which there are slopes, s; the last is the run's end.
@@ -115,10 +115,9 @@ pub(crate) fn run_with_slopes(
 ) -> Result<Slopes, Error> {
     let list: Vec<Unknown> = unknowns.iter().map(|(_, unknown)| *unknown).collect();
     let fine = varied(system, settings, origin, &list, None).map_err(|error| named(error, unknowns))?;
-    let looser = Settings { tolerance: LOOSER * settings.tolerance, digits: false, ..settings.clone() };
-    // Where there is no second run, errors are not known.
-    let rough = varied(system, &looser, origin, &list, None).ok().filter(|rough| rough.agrees(&fine));
-    Ok(fine.beside(rough.as_ref(), unknowns, Names::of(system.description()).columns()))
+    let again = |other: &Settings| varied(system, other, origin, &list, None);
+    let other = second(&fine.run, settings, again, |other| &other.run).filter(|other| other.run.agrees(&fine));
+    Ok(fine.beside(other.as_ref(), unknowns, Names::of(system.description()).columns()))
 }
 
 fn may_be_varied(system: &dyn System, settings: &Settings) -> Result<(), NoSlopes> {
@@ -337,11 +336,12 @@ impl Varied {
         (0..point.values.len()).map(most).collect()
     }
 
-    fn beside(self, rough: Option<&Varied>, unknowns: &[(String, Unknown)], names: Vec<String>) -> Slopes {
+    fn beside(self, second: Option<&Second<Varied>>, unknowns: &[(String, Unknown)], names: Vec<String>) -> Slopes {
+        let (rough, told) = (second.map(|second| &second.run), second.map_or(1.0, |second| second.told));
         let largest = self.largest();
         let slope = |value: f64, other: Option<f64>, rounding: f64| Slope {
             value,
-            error: other.map_or(f64::NAN, |x| (x - value).abs().max(rounding)),
+            error: other.map_or(f64::NAN, |x| (told * (x - value).abs()).max(rounding)),
         };
         let values = self.points.iter().enumerate().map(|(t, point)| {
             let list = point.slopes.iter().enumerate().map(|(k, column)| {

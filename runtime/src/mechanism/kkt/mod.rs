@@ -153,7 +153,10 @@ impl KktSolver {
             }
         }
         self.find_rows(system, None);
-        if singular.is_none() { self.part_rows(system, at) } else { Ok(()) }
+        if singular.is_none() {
+            self.part_rows(system, at);
+        }
+        Ok(())
     }
 
     /// Takes J M⁻¹ Jᵀ and chooses the rows; `lengths` are what rows keep of their largest norms, where M was strengthened meanwhile.
@@ -176,11 +179,11 @@ impl KktSolver {
 
     /// Rows may seem to depend on each other because masses are very different: those of a light body between heavy ones, or of the
     /// foot of a heavy one.  M + Jᵀ R J, which moves alike, tells them apart; where that is no better by far, they do depend on each other.
-    fn part_rows<S: System + ?Sized>(&mut self, system: &S, at: At<'_>) -> Result<(), Singular> {
+    fn part_rows<S: System + ?Sized>(&mut self, system: &S, at: At<'_>) {
         let usual = self.usual_rank(system);
         let distance = self.distance(usual);
         if distance * LOPSIDED > 1.0 {
-            return Ok(());
+            return;
         }
         let plain = self.clone();
         let lengths = self.lengths();
@@ -190,7 +193,6 @@ impl KktSolver {
         if strengthened.is_err() || self.distance(usual) < LOPSIDED * distance {
             *self = plain;
         }
-        Ok(())
     }
 
     /// Solves M δ − Jᵀ μ = f, J δ = g with the rows that were kept: `f` becomes δ, `g` becomes μ, which is 0 for rows
