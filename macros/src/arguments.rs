@@ -13,6 +13,8 @@ pub struct Arguments {
     pub name: Option<Ident>,
     /// Whether what is doubtful in the file is told.
     pub warnings: Warnings,
+    /// Whether the code has what Taylor's method needs.
+    pub series: bool,
 }
 
 /// What becomes of the model file's warnings.
@@ -40,7 +42,7 @@ impl Parse for Arguments {
         if input.peek(LitStr) {
             source = Some(Source::Path(input.parse()?));
         }
-        let (mut sizes, mut name, mut warnings) = (Vec::new(), None, Warnings::Warn);
+        let (mut sizes, mut name, mut warnings, mut series) = (Vec::new(), None, Warnings::Warn, false);
         while !input.is_empty() {
             if source.is_some() {
                 input.parse::<Token![,]>()?;
@@ -56,6 +58,15 @@ impl Parse for Arguments {
                 name = Some(input.parse()?);
             } else if key == "warnings" && input.peek(LitStr) {
                 warnings = level(&input.parse()?)?;
+            } else if key == "methods" && input.peek(LitStr) {
+                let methods: LitStr = input.parse()?;
+                if methods.value() != "taylor" {
+                    return Err(syn::Error::new(
+                        methods.span(),
+                        "expected `\"taylor\"`: all other methods need nothing more",
+                    ));
+                }
+                series = true;
             } else {
                 let negative = input.parse::<Option<Token![-]>>()?.is_some();
                 let size: i64 = input.parse::<LitInt>()?.base10_parse()?;
@@ -64,7 +75,7 @@ impl Parse for Arguments {
         }
         let expected = "expected the path of a model file, or `yaml = \"…\"`";
         let source = source.ok_or_else(|| input.error(expected))?;
-        Ok(Arguments { source, sizes, name, warnings })
+        Ok(Arguments { source, sizes, name, warnings, series })
     }
 }
 

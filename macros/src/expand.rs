@@ -17,6 +17,7 @@ pub fn expand(arguments: &Arguments) -> TokenStream {
     let given = arguments.name.as_ref().map(ToString::to_string);
     match lower::compile_in(folder.as_deref(), &text, &arguments.sizes) {
         Ok(program) => {
+            let program = if arguments.series { program.with_series() } else { program };
             let tables = program.model.files.iter().map(|file| watched(&file.to_string_lossy()));
             let tables: TokenStream = tables.collect();
             let name = given.unwrap_or_else(|| print::type_name(&program.model.name));

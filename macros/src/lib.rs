@@ -24,6 +24,12 @@ use proc_macro::TokenStream;
 /// ```ignore
 /// dalembert::model!("models/two_springs.yaml", warnings = "allow");
 /// ```
+///
+/// `methods = "taylor"` adds the recurrences of the motion's power series, which `Method::Taylor` needs:
+///
+/// ```ignore
+/// dalembert::model!("models/double_pendulum.yaml", methods = "taylor");
+/// ```
 #[proc_macro]
 pub fn model(input: TokenStream) -> TokenStream {
     let arguments = syn::parse_macro_input!(input as arguments::Arguments);

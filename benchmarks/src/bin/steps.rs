@@ -1,4 +1,4 @@
-//! What a step costs: `dop853` of this crate on generated equations, and `rkn8` where it suits, against `DOP853` of `ode_solvers` on
+//! What a step costs: `dop853` and `taylor` of this crate on generated equations, and `rkn8` where it suits, against `DOP853` of `ode_solvers` on
 //! equations written by hand.
 //!
 //! `cargo run --release --bin steps` in this folder.  All variants run in turns, and medians of the rounds are given, since the
@@ -18,9 +18,9 @@ use nalgebra::{DMatrix, DVector};
 use ode_solvers::dop_shared::OutputType;
 use ode_solvers::{Dop853, SVector};
 
-dalembert::model!("../models/figure_eight.yaml", name = FigureEight);
-dalembert::model!("../models/double_pendulum.yaml", name = DoublePendulum);
-dalembert::model!("../models/chain.yaml", n = 10, name = Chain);
+dalembert::model!("../models/figure_eight.yaml", name = FigureEight, methods = "taylor");
+dalembert::model!("../models/double_pendulum.yaml", name = DoublePendulum, methods = "taylor");
+dalembert::model!("../models/chain.yaml", n = 10, name = Chain, methods = "taylor");
 dalembert::model!(
     yaml = r#"
 name: Kepler
@@ -29,7 +29,8 @@ coordinates: {x: 1, y: 1}
 kinetic_energy: m*(x'^2 + y'^2)/2
 potential_energy: -m*mu/sqrt(x^2 + y^2)
 scene: {start: {x: 1.6, "y'": 0.5}, until: 628, tolerance: 1e-10}
-"#
+"#,
+    methods = "taylor"
 );
 dalembert::model!(
     yaml = r#"
@@ -39,7 +40,8 @@ coordinates: {x: 1, y: 1}
 kinetic_energy: m*(x'^2 + y'^2)/2
 potential_energy: k*(sqrt(x^2 + y^2) - l)^2/2 + m*g*y
 scene: {start: {x: 1.0, y: 0.0}, until: 2.5, tolerance: 1e-10}
-"#
+"#,
+    methods = "taylor"
 );
 
 /// What an evaluation costs is measured at this tolerance.
@@ -53,7 +55,7 @@ fn main() {
     let once = std::env::args().nth(2);
     let once = once.as_deref();
     let by = std::env::args().nth(3).map(|name| name.parse::<Method>().expect("a method"));
-    for method in [Method::Dop853, Method::Rkn8]
+    for method in [Method::Dop853, Method::Rkn8, Method::Taylor]
         .into_iter()
         .filter(|method| once.is_none() || *method == by.unwrap_or(Method::Dop853))
     {

@@ -48,6 +48,11 @@ pub enum Error {
         /// What stands in the way.
         reason: Nonlinear,
     },
+    /// The method expands the motion in a power series, and there is none.
+    NoSeries {
+        /// What stands in the way.
+        reason: NoSeries,
+    },
     /// Forces are made of reactions, which only multipliers give together with the accelerations.
     NeedsMultipliers,
     /// Springs stand for constraints without dampers, which alone hold one that contains speeds.
@@ -135,6 +140,33 @@ pub enum Nonlinear {
     Coefficients,
 }
 
+/// Why a motion has no power series.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum NoSeries {
+    /// The equations contain a function without one, or code was generated without the recurrences.
+    Functions,
+    /// An input is a function of the program that runs.
+    Inputs,
+    /// Forces are made of reactions.
+    Friction,
+    /// Accelerations do not come from Lagrange's equations with multipliers.
+    Accelerations,
+}
+
+impl fmt::Display for NoSeries {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            NoSeries::Functions => "its equations contain a table, or its code has no recurrences: `model!(…, methods = \"taylor\")`",
+            NoSeries::Inputs => "an input is a function of the program, of which only values are known",
+            NoSeries::Friction => "its forces are made of reactions, as friction is",
+            NoSeries::Accelerations => {
+                "accelerations come from balances, the null space, springs or Baumgarte's stabilisation; take Lagrange's equations and `multipliers`"
+            }
+        })
+    }
+}
+
 impl fmt::Display for Nonlinear {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -196,6 +228,9 @@ impl fmt::Display for Error {
                     f,
                     "`exact` propagates linear systems with constant coefficients; the mechanism is not one, since {reason}"
                 )
+            }
+            Error::NoSeries { reason } => {
+                write!(f, "`taylor` expands the motion in a power series; there is none, since {reason}")
             }
             Error::NeedsMultipliers => {
                 write!(f, "a force is made of reactions, as friction is: take `multipliers`, which find both together")

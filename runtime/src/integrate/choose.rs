@@ -7,6 +7,7 @@ use super::implicit::{Collocation, GAUSS_2, GAUSS_4, GAUSS_6, RADAU_5};
 use super::nystrom::{Nystrom, RKN8};
 use super::rosenbrock::{RODAS5P, Rosenbrock};
 use super::symplectic::{KAHAN_LI_8, SRKN4, SUZUKI_4, Splitting, Symplectic, VERLET};
+use super::taylor::{ORDER, Taylor};
 use super::{OneStep, Stability};
 use crate::mechanism::Method;
 
@@ -43,6 +44,7 @@ pub(crate) fn stepper(method: Method, n: usize, work: bool) -> Box<dyn OneStep> 
         Method::Radau5 => Box::new(Collocation::new(RADAU_5, n, work)),
         Method::Rodas5P => Box::new(Rosenbrock::new(RODAS5P, n, work)),
         Method::Exact => Box::new(Exact::new(n, work)),
+        Method::Taylor => Box::new(Taylor::new(n, work)),
     }
 }
 
@@ -66,6 +68,7 @@ pub(crate) fn order(method: Method) -> u32 {
         Method::Rodas5P => RODAS5P.order,
         // That of its polynomial between the ends.
         Method::Exact => 12,
+        Method::Taylor => ORDER as u32,
     }
 }
 
@@ -88,7 +91,18 @@ pub(crate) fn stability(method: Method) -> Stability {
         Method::Radau5 => Stability::Rational(RADAU_5.stability),
         Method::Rodas5P => Stability::Rational(RODAS5P.stability),
         Method::Exact => Stability::Exponential,
+        Method::Taylor => Stability::Polynomial(exponential()),
     }
+}
+
+/// The powers 0 to [`ORDER`] of the exponential.
+fn exponential() -> Vec<f64> {
+    let mut term = 1.0;
+    let next = |k: usize| {
+        term /= k.max(1) as f64;
+        term
+    };
+    (0..=ORDER).map(next).collect()
 }
 
 fn explicit<T: Scheme>(n: usize, work: bool) -> Box<dyn OneStep> {

@@ -5,6 +5,8 @@
 pub(crate) struct Control {
     /// 1/(q + 1), q the order of the error estimate.
     pub exponent: f64,
+    /// Which part of the step is tried that the error foretells.
+    pub safety: f64,
     /// The smallest factor.
     pub shrink: f64,
     /// The largest factor.
@@ -15,9 +17,12 @@ pub(crate) struct Control {
     pub stiff: f64,
 }
 
+/// At 0.9 fewer steps are taken and more rejected: over the scenes of the library the same error then costs 1 to 4 % more.
+pub(crate) const SAFETY: f64 = 0.8;
+
 /// For methods that have no error estimate.
 pub(crate) const NO_CONTROL: Control =
-    Control { exponent: 0.0, shrink: 1.0, grow: 1.0, at_first: 1.0, stiff: f64::INFINITY };
+    Control { exponent: 0.0, safety: 1.0, shrink: 1.0, grow: 1.0, at_first: 1.0, stiff: f64::INFINITY };
 
 /// The step a method proposes next, from the errors of the last steps.
 ///
@@ -44,9 +49,6 @@ pub(crate) struct StepControl {
 }
 
 impl StepControl {
-    /// At 0.9 fewer steps are taken and more rejected: over the scenes of the library the same error then costs 1 to 4 % more.
-    const SAFETY: f64 = 0.8;
-
     /// At the start.
     pub fn new(constants: Control) -> Self {
         let least = 1e-4_f64.powf(constants.exponent);
@@ -60,13 +62,13 @@ impl StepControl {
 
     /// The next step after one of h was accepted with this error (at most 1).
     pub fn accepted(&mut self, h: f64, error: f64) -> f64 {
-        let Control { shrink, grow, at_first, .. } = self.constants;
+        let Control { safety, shrink, grow, at_first, .. } = self.constants;
         // As a first step may be too long by orders of magnitude, it may be too short.
         let grow = if self.first { at_first * grow } else { grow };
         let (own, (before, step)) = (self.power(error), self.previous);
         let grew = if step > 0.0 { (own * (step / (before * h))).max(1.0) } else { 1.0 };
         let least = if self.rejected { 1.0 } else { 1.0 / grow };
-        let factor = (own * grew * (1.0 / Self::SAFETY)).clamp(least, 1.0 / shrink);
+        let factor = (own * grew * (1.0 / safety)).clamp(least, 1.0 / shrink);
         self.previous = (own.max(self.least), h);
         (self.rejected, self.first) = (false, false);
         h / factor
@@ -77,7 +79,7 @@ impl StepControl {
         // A first step is no more than a guess, and may be wrong by orders of magnitude.
         let shrink = if self.first { FIRST_SHRINK } else { self.constants.shrink };
         self.rejected = true;
-        if error.is_finite() { h / (self.power(error) / Self::SAFETY).min(1.0 / shrink) } else { h * shrink }
+        if error.is_finite() { h / (self.power(error) / self.constants.safety).min(1.0 / shrink) } else { h * shrink }
     }
 
     /// The step to try after an iteration in one of h did not converge.

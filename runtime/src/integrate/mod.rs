@@ -1,7 +1,7 @@
 //! Integrating the equations of motion in time.
 //!
 //! 1. A family of one-step methods, each in its folder with the files `tableau`, `step`, `dense`,
-//!    implements [`OneStep`]: look in `explicit/`, `nystrom/`, `symplectic/`, `implicit/`, `rosenbrock/` and `exact/`, and for which name means which in `choose.rs`.
+//!    implements [`OneStep`]: look in `explicit/`, `nystrom/`, `symplectic/`, `implicit/`, `rosenbrock/`, `exact/` and `taylor/`, and for which name means which in `choose.rs`.
 //! 2. Methods are written once over [`Block`]s, whose size the compiler knows or not: look in `block.rs`.
 //!    Those that go from one end of a step to the other in one piece share [`ends::Ends`].
 //! 3. [`StepControl`] chooses steps against a [`Tolerance`]: look in `control.rs`.
@@ -26,6 +26,7 @@ mod segment;
 mod stability;
 mod stiffness;
 mod symplectic;
+mod taylor;
 #[cfg(test)]
 pub(crate) mod test_problems;
 mod tolerance;
@@ -38,7 +39,7 @@ pub(crate) use choose::{order, stability, stepper};
 pub(crate) use clock::Clock;
 pub(crate) use exact::{LENGTHS as LENGTHS_OF_EXACT, fastest_rate, longest_step, operations as operations_of_exact};
 
-pub(crate) use control::{Control, NO_CONTROL, StepControl, first_step, radians};
+pub(crate) use control::{Control, NO_CONTROL, SAFETY, StepControl, first_step, radians};
 #[cfg(feature = "ensemble")]
 pub(crate) use explicit::{DOP853, Dop853, Stage, Term, stages};
 #[cfg(feature = "ensemble")]

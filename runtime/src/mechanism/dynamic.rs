@@ -5,8 +5,8 @@ use super::dual::{Dual, moving, replaced_input, rounded, seed, still};
 use super::phased::{Phased, RowHistory, sprung};
 use super::system::Replaced;
 use super::{
-    Along, At, Description, Energy, Enforcement, Function, Gimbal, Mechanism, Motion, MotionNumbers, Scene, Signal,
-    Singular, System, Values,
+    Along, At, Description, Energy, Enforcement, Function, Gimbal, Mechanism, Motion, MotionNumbers, Scene, Series,
+    Signal, Singular, System, Values,
 };
 
 /// A mechanism of static size as a [`System`], with its block of constants at hand.
@@ -371,6 +371,16 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
 
     fn restitutions(&self) -> Vec<f64> {
         M::restitutions(&self.mechanism.parameters())
+    }
+
+    fn series(&self) -> Option<&Series> {
+        // A function that a program gives has none.
+        if self.signals.iter().any(Option::is_some) { None } else { M::series() }
+    }
+
+    fn series_constants(&self, values: &mut [f64]) {
+        // Inputs that stand in constants are the same at all times.
+        M::series_constants(&self.constants, 0.0, self.input_block(0.0).as_ref(), values);
     }
 
     fn frequencies(&self) -> Option<Vec<f64>> {

@@ -1,6 +1,6 @@
 //! The trait that `model!` implements.
 
-use super::{Description, Energy, Gimbal, Motion, Real, Scene, SingularMass};
+use super::{Description, Energy, Gimbal, Motion, Real, Scene, Series, SingularMass};
 
 /// A block of scalars of a size that only generated code knows: an array `[S; K]`.
 #[doc(hidden)]
@@ -44,6 +44,14 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
     /// Motions that the file asks for.
     fn motions() -> &'static [Motion] {
         &[]
+    }
+    /// How power series of M, h, J and γ follow from that of the motion; `None` where the macro was not asked for them (`methods = "taylor"`).
+    fn series() -> Option<&'static Series> {
+        None
+    }
+    /// The numbers that the recurrences are made with.
+    fn series_constants<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], values: &mut [S]) {
+        let _ = (c, t, u, values);
     }
     /// The block of constants for one set of parameters per lane; modes as at the switch's step or sign of 1.
     fn constants<S: Real>(lane: impl Fn(usize) -> Self) -> Self::Constants<S>;

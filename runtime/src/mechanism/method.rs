@@ -22,6 +22,7 @@ use super::Structure;
 /// | `gauss2`, `gauss4`, `gauss6` | 2, 4, 6 | all, symplectic | fixed | by iteration | always |
 /// | `radau5` | 5 | stiff motions | by the tolerance | by iteration | always, damped |
 /// | `rodas5p` | 5 | stiff motions | by the tolerance | 8 | always, damped |
+/// | `taylor` | 20 | smooth motions, tight tolerances | by the tolerance | 20, at once | up to hω = 3.3 |
 /// | `exact` | - | linear systems with constant coefficients | fixed; driven: by the tolerance | 0; driven: 8 | as the motion is |
 ///
 /// `exact` multiplies by e^{Ah}; its step is as long as a polynomial between its ends is exact to the tolerance, and as one of degree 8
@@ -68,6 +69,9 @@ pub enum Method {
     Radau5,
     /// Steinebach's Rosenbrock method, order 5, for stiff motions, with error control; a fixed step if one is given.
     Rodas5P,
+    /// The motion's own power series, order 20, of M, h and what constrains them order by order; with error control, a fixed step if one is given.
+    /// For mechanisms whose equations have one: not with tables, nor friction made of reactions.
+    Taylor,
     /// The exponential of a linear system with constant coefficients, exact to rounding at a fixed step; with error control where it
     /// is driven, a fixed step if one is given.
     Exact,
@@ -81,7 +85,7 @@ pub enum Method {
 
 impl Method {
     /// All methods, as users list them.
-    pub const ALL: [Method; 17] = [
+    pub const ALL: [Method; 18] = [
         Method::Euler,
         Method::Midpoint,
         Method::Rk4,
@@ -97,6 +101,7 @@ impl Method {
         Method::Gauss6,
         Method::Radau5,
         Method::Rodas5P,
+        Method::Taylor,
         Method::Exact,
         Method::Auto,
     ];
@@ -119,6 +124,7 @@ impl Method {
             Method::Gauss6 => "gauss6",
             Method::Radau5 => "radau5",
             Method::Rodas5P => "rodas5p",
+            Method::Taylor => "taylor",
             Method::Exact => "exact",
             Method::Auto => "auto",
         }
@@ -152,7 +158,16 @@ impl Method {
 
     /// True when the method chooses its steps itself.
     pub fn is_adaptive(self) -> bool {
-        matches!(self, Method::Dopri5 | Method::Dop853 | Method::Rkn8 | Method::Radau5 | Method::Rodas5P | Method::Auto)
+        matches!(
+            self,
+            Method::Dopri5
+                | Method::Dop853
+                | Method::Rkn8
+                | Method::Radau5
+                | Method::Rodas5P
+                | Method::Taylor
+                | Method::Auto
+        )
     }
 
     /// True when the method chooses its steps itself for a mechanism of this structure.

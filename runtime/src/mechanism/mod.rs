@@ -15,6 +15,7 @@ mod method;
 mod motion;
 mod phased;
 mod real;
+mod series;
 mod singular;
 mod slopes;
 mod solve;
@@ -42,6 +43,8 @@ pub use method::{Method, ParseMethodError};
 pub use motion::{Closes, ClosesBy, Extreme, Goal, Motion, MotionNumbers};
 pub use phased::RowHistory;
 pub use real::Real;
+pub(crate) use series::{Jets, MotionJets, dot};
+pub use series::{Place, Recurrence, Series};
 pub use singular::{Singular, SingularMass};
 pub(crate) use slopes::AccelerationSlopes;
 #[doc(hidden)]

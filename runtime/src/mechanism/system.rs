@@ -1,6 +1,6 @@
 //! The object-safe face of a mechanism, on slices: everything downstream is written once over it.
 
-use super::{At, Description, Energy, Enforcement, Gimbal, Motion, MotionNumbers, RowHistory, Scene, Singular};
+use super::{At, Description, Energy, Enforcement, Gimbal, Motion, MotionNumbers, RowHistory, Scene, Series, Singular};
 
 /// A mechanism with its parameters, behind slices.
 ///
@@ -324,6 +324,16 @@ pub trait System: Send + Sync {
     /// The inputs' values (u, u', u'' of each) at a time; three per input.
     fn inputs(&self, t: f64, values: &mut [f64]) {
         let _ = (t, values);
+    }
+
+    /// How power series of M, h, J and γ follow from that of the motion, for [`Method::Taylor`](super::Method::Taylor); `None` where there are none.
+    fn series(&self) -> Option<&Series> {
+        None
+    }
+
+    /// The numbers that [`System::series`] is made with, at the present parameters, modes and phase.
+    fn series_constants(&self, values: &mut [f64]) {
+        let _ = values;
     }
 
     /// Replaces an input's function of time by another that writes (u, u', u'').

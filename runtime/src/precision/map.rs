@@ -4,8 +4,10 @@ use nalgebra::{Complex, Matrix2};
 
 use crate::error::Error;
 use crate::integrate::{Stability, Trial, stability, stepper};
-use crate::mechanism::{At, Description, Energy, Method, Scene, Singular, Structure, System};
-use crate::show::{Axis, Chart, Series};
+use crate::mechanism::{
+    At, Description, Energy, Method, Place, Recurrence, Scene, Series, Singular, Structure, System,
+};
+use crate::show::{self, Axis, Chart};
 
 /// Growth per step of x'' + 2ζω x' + ω² x = 0 over (hω, ζ).
 ///
@@ -92,20 +94,21 @@ impl StabilityMap {
         let mut least = f64::NEG_INFINITY;
         for (most, name) in BANDS {
             let inside = self.cells.iter().filter(|(.., growth)| *growth > least && *growth <= most);
-            chart = chart.with(Series::marks(name, inside.map(|(z, zeta, _)| Some((*z, *zeta)))));
+            chart = chart.with(show::Series::marks(name, inside.map(|(z, zeta, _)| Some((*z, *zeta)))));
             least = most;
         }
         let line =
             |of: fn(&Limit) -> Option<f64>| self.limits.iter().map(move |limit| Some((of(limit)?, limit.damping)));
-        chart = chart.with(Series::line("measured limit", line(|limit| limit.measured)));
-        let theory = Series::line("theory", line(|limit| limit.theory));
-        chart.with(Series { style: crate::show::Style::Dashed, ..theory })
+        chart = chart.with(show::Series::line("measured limit", line(|limit| limit.measured)));
+        let theory = show::Series::line("theory", line(|limit| limit.theory));
+        chart.with(show::Series { style: show::Style::Dashed, ..theory })
     }
 }
 
 /// The spectral radius of a step; NaN where there is none.
 fn growth(method: Method, z: f64, zeta: f64) -> f64 {
-    let oscillator = Oscillator { description: Oscillator::describe(), damping: 2.0 * zeta };
+    let oscillator =
+        Oscillator { description: Oscillator::describe(), damping: 2.0 * zeta, series: Oscillator::series() };
     let column = |start: [f64; 2]| -> Option<[f64; 2]> {
         let mut stepper = stepper(method, 1, false);
         stepper.state_mut().copy_from_slice(&start);
@@ -145,6 +148,7 @@ fn first_growth(longest: f64, growth: impl Fn(f64) -> f64) -> Option<f64> {
 struct Oscillator {
     description: Description,
     damping: f64,
+    series: Series,
 }
 
 impl Oscillator {
@@ -163,6 +167,20 @@ impl Oscillator {
                 ..Structure::default()
             },
             ..Description::default()
+        }
+    }
+}
+
+impl Oscillator {
+    /// h = x + d x', made with d, and M = 1.
+    fn series() -> Series {
+        let (place, damped) = (Recurrence::Coordinate(0), Recurrence::Scaled(1, 0));
+        Series {
+            constants: 2,
+            rows: vec![place, Recurrence::Speed(0), damped, Recurrence::Sum(0, 2)].into(),
+            mass: vec![(0, 0, Place::Constant(1))].into(),
+            bias: vec![Place::Row(3)].into(),
+            ..Series::default()
         }
     }
 }
@@ -199,6 +217,14 @@ impl System for Oscillator {
 
     fn scene(&self, _: usize) -> Scene {
         Scene { q: vec![1.0], v: vec![0.0], ..Scene::default() }
+    }
+
+    fn series(&self) -> Option<&Series> {
+        Some(&self.series)
+    }
+
+    fn series_constants(&self, values: &mut [f64]) {
+        values.copy_from_slice(&[self.damping, 1.0]);
     }
 
     fn boxed_clone(&self) -> Box<dyn System> {

@@ -189,6 +189,7 @@ fn measurements<C>(
 fn unsuited(error: &Error) -> String {
     match error {
         Error::NotSeparable { reason, .. } => format!("not separable, since {reason}"),
+        Error::NoSeries { reason } => format!("no power series, since {reason}"),
         Error::NotLinear { reason } => format!("not linear, since {reason}"),
         error => error.to_string(),
     }

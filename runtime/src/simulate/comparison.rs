@@ -246,7 +246,7 @@ fn comparison(
 
 /// The steps of a run, to be followed by one whose errors are so many times as large; `None` where more than the tolerance chose them.
 fn followed(system: &dyn System, settings: &Settings, run: &Run, coarser: f64) -> Option<Followed> {
-    let explicit = matches!(run.method, Method::Dopri5 | Method::Dop853 | Method::Rkn8);
+    let explicit = matches!(run.method, Method::Dopri5 | Method::Dop853 | Method::Rkn8 | Method::Taylor);
     let chosen = explicit && settings.step.is_none() && !is_cut(system, run);
     let stretch = coarser.powf(1.0 / f64::from(order(run.method)));
     Followed::new(&run.step_ends, stretch).filter(|_| chosen)

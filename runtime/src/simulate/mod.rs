@@ -35,10 +35,10 @@ pub use typed::Simulate;
 use crate::cause::Cause;
 use crate::constrain::{self, Elsewhere, consistent, other_branch};
 use crate::driver::{Integration, StepPolicy};
-use crate::error::Error;
+use crate::error::{Error, NoSeries};
 use crate::events::begin_at;
 use crate::integrate::Tolerance;
-use crate::mechanism::{Enforcement, RowHistory, Stabilisation, System};
+use crate::mechanism::{Enforcement, Method, RowHistory, Stabilisation, System};
 use crate::run::{Failure, Plan, Recorder, Run};
 use crate::trust::{Warning, check_step, explain_lock, positive_inertia};
 
@@ -102,6 +102,23 @@ fn together(
     }
 }
 
+/// What keeps a motion from having a power series.
+fn no_series(system: &dyn System, settings: &Settings) -> Option<NoSeries> {
+    let description = system.description();
+    let multipliers = settings.enforcement == Enforcement::Multipliers && settings.alpha() == 0.0;
+    if system.derivation().is_some() || !multipliers {
+        Some(NoSeries::Accelerations)
+    } else if !description.friction_pattern.is_empty() {
+        Some(NoSeries::Friction)
+    } else if (0..description.inputs.len()).any(|input| system.signal(input).is_some()) {
+        Some(NoSeries::Inputs)
+    } else if system.series().is_none() {
+        Some(NoSeries::Functions)
+    } else {
+        None
+    }
+}
+
 /// A run that has begun, or could not.
 struct Start {
     integration: Integration,
@@ -112,6 +129,9 @@ struct Start {
 /// Begins a run whose states are reported at this spacing.
 fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Start, Error> {
     settings.check(system.description())?;
+    if let Some(reason) = no_series(system, settings).filter(|_| settings.method == Method::Taylor) {
+        return Err(Error::NoSeries { reason });
+    }
     let dampers = matches!(settings.enforcement, Enforcement::Springs { damping, .. } if damping > 0.0);
     let work = settings.watch && (dampers || !system.description().structure.conservative);
     let guess = [settings.q.as_slice(), settings.v.as_slice()].concat();

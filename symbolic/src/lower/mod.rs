@@ -13,6 +13,7 @@ mod momentum;
 mod parts;
 mod rounding;
 mod routh;
+mod series;
 mod structure;
 mod symmetry;
 mod time;
@@ -33,6 +34,7 @@ pub use factor::Accelerations;
 pub use momentum::MomentumSystem;
 pub use parts::Part;
 pub use routh::{Ignored, NotReduced, Reduced, routh};
+pub use series::{Place, Recurrence, Series};
 pub use structure::Structure;
 pub use symmetry::{Symmetries, Symmetry, generators, symmetries};
 
@@ -46,6 +48,8 @@ pub struct Program {
     pub model: Model,
     /// What was tested when deriving.
     pub report: Report,
+    /// How power series follow each other, where that was asked for ([`Program::with_series`]).
+    pub series: Option<Series>,
     /// Discontinuities of the equations of motion and of inputs.
     pub switches: Vec<Switch>,
     /// Inputs as functions of time, (u, u', u'') of each, with modes.
@@ -262,6 +266,7 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let momentum = momentum::systems(&mut model, momentum, &named_reactions);
     let mut program = Program {
         report,
+        series: None,
         switches,
         signals,
         jumps,
@@ -318,12 +323,19 @@ impl Program {
         }
     }
 
+    /// With the recurrences of its power series, where it has some.
+    pub fn with_series(mut self) -> Program {
+        self.series = Series::of(&self);
+        self
+    }
+
     /// A program without coordinates, in the place of one that could not be derived.
     pub fn empty(name: &str) -> Program {
         let scene = Scene { name: "scene".to_owned(), ..Scene::default() };
         Program {
             model: Model { name: name.to_owned(), dimension: 2, scenes: vec![scene], ..Model::default() },
             report: Report::default(),
+            series: None,
             switches: Vec::new(),
             signals: Vec::new(),
             jumps: Vec::new(),

@@ -81,6 +81,8 @@ pub const METHODS: &[&str] = &[
     "scene",
     "scene_numbers",
     "scene_parameters",
+    "series",
+    "series_constants",
     "simulate",
     "start_condition_values",
     "start_conditions",

@@ -7,6 +7,7 @@ use super::description::description;
 use super::function::{Function, Target, argument, stores};
 use super::parameters::field;
 use super::rust::UNJUDGED;
+use super::series::recurrences;
 use super::words::comment;
 use super::{momentum, motions, parts, scenes};
 use crate::expr::Id;
@@ -54,6 +55,16 @@ impl Mechanism<'_> {
             description(program, source)
         );
         out += &gimbals(&program.model);
+        if let Some(series) = &program.series {
+            out += &recurrences(series);
+            out += &Function {
+                name: "series_constants",
+                targets: vec![Target { name: "out", kind: "&mut [S]".to_owned(), used: !series.constants.is_empty() }],
+                uses: stores("out", &series.constants),
+                ..Function::default()
+            }
+            .text(&self.bodies, "    ");
+        }
         out += &self.constants_function();
         out += &self.inputs();
         for function in self.functions(n) {

@@ -19,6 +19,7 @@ mod resting;
 mod rust;
 mod scenes;
 mod scope;
+mod series;
 mod units;
 mod words;
 

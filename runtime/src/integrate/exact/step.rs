@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::integrate::ends::Ends;
-use crate::integrate::{Control, Counters, Endpoint, OneStep, Segment, StepFailure, Tolerance, Trial, larger};
+use crate::integrate::{Control, Counters, Endpoint, OneStep, SAFETY, Segment, StepFailure, Tolerance, Trial, larger};
 use crate::mechanism::{AccelerationSlopes, At, System};
 
 use super::dense::{DERIVATIVES, LOBATTO, resolved};
@@ -42,8 +42,14 @@ pub(crate) struct Exact {
 }
 
 /// Of a force that changes.  A trial that is too long costs little, for it is refused before there are matrices.
-const CONTROL: Control =
-    Control { exponent: 1.0 / TERMS as f64, shrink: 1e-3, grow: 1e3, at_first: 1.0, stiff: f64::INFINITY };
+const CONTROL: Control = Control {
+    exponent: 1.0 / TERMS as f64,
+    safety: SAFETY,
+    shrink: 1e-3,
+    grow: 1e3,
+    at_first: 1.0,
+    stiff: f64::INFINITY,
+};
 /// Matrices of so many lengths are kept.
 pub(crate) const LENGTHS: usize = 8;
 /// Lengths that differ by so many roundings of the time, and by no more than this part of themselves, are one.

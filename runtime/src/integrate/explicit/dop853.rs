@@ -1,7 +1,7 @@
 //! Dormand and Prince's method of order 8 with error estimates of orders 5 and 3 and dense output of order 7.
 
 use super::tableau::{Estimate, Scheme, Tableau, Term, x};
-use crate::integrate::Control;
+use crate::integrate::{Control, SAFETY};
 
 /// Twelve stages, order 8.
 ///
@@ -15,7 +15,7 @@ pub(crate) const DOP853: &Tableau = &Tableau {
     estimate: Estimate::Pair { higher: ERROR5, lower: ERROR3 },
     dense_rows: &DENSE_ROWS,
     dense: &DENSE,
-    control: Control { exponent: 1.0 / 8.0, shrink: 1.0 / 3.0, grow: 6.0, at_first: 6.0, stiff: 6.1 },
+    control: Control { exponent: 1.0 / 8.0, safety: SAFETY, shrink: 1.0 / 3.0, grow: 6.0, at_first: 6.0, stiff: 6.1 },
 };
 
 /// [`DOP853`] as a type.

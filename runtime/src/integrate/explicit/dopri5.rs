@@ -1,7 +1,7 @@
 //! Dormand and Prince's method of order 5 with an error estimate of order 4 and dense output of order 4.
 
 use super::tableau::{Estimate, Scheme, Tableau, Term, r};
-use crate::integrate::Control;
+use crate::integrate::{Control, SAFETY};
 
 /// Seven stages, the last of which is the next step's first, order 5.
 ///
@@ -15,7 +15,7 @@ pub(crate) const DOPRI5: &Tableau = &Tableau {
     estimate: Estimate::Single(ERROR),
     dense_rows: &[],
     dense: &[DENSE],
-    control: Control { exponent: 1.0 / 5.0, shrink: 0.2, grow: 10.0, at_first: 6.0, stiff: 3.25 },
+    control: Control { exponent: 1.0 / 5.0, safety: SAFETY, shrink: 0.2, grow: 10.0, at_first: 6.0, stiff: 3.25 },
 };
 
 /// [`DOPRI5`] as a type.

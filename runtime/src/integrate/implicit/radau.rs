@@ -1,7 +1,7 @@
 //! Radau's collocation method of order 5.
 
 use super::tableau::{Split, Tableau, z};
-use crate::integrate::{Control, Rational};
+use crate::integrate::{Control, Rational, SAFETY};
 
 /// Radau IIA, three stages, order 5, stable for all decay and vibration, which it damps the more the stiffer (L-stable).
 ///
@@ -63,5 +63,5 @@ pub(crate) const RADAU_5: &Tableau = &Tableau {
     )),
     estimate: Some([-2.7623054547486, 0.37993559825272877, -0.09162960986522582]),
     stability: Rational { above: &[1.0, 0.4, 0.05], below: &[1.0, -0.6, 0.15, -1.0 / 60.0] },
-    control: Control { exponent: 0.25, shrink: 0.125, grow: 8.0, at_first: 1.0, stiff: f64::INFINITY },
+    control: Control { exponent: 0.25, safety: SAFETY, shrink: 0.125, grow: 8.0, at_first: 1.0, stiff: f64::INFINITY },
 };

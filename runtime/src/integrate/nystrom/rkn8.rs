@@ -1,8 +1,8 @@
 //! Dormand, El-Mikkawy and Prince's method of order 8 with an error estimate of order 6.
 
 use super::tableau::Tableau;
-use crate::integrate::Control;
 use crate::integrate::explicit::{Term, r, x};
+use crate::integrate::{Control, SAFETY};
 
 /// Nine stages, the last of which is the next step's first: eight evaluations a step, order 8; stable for hω ≤ 3.29.
 ///
@@ -22,7 +22,7 @@ pub(crate) const RKN8: Tableau = Tableau {
     counts: 0.2,
     dense_rows: &DENSE_ROWS,
     speed_rows: &SPEED_ROWS,
-    control: Control { exponent: 1.0 / 7.0, shrink: 1.0 / 3.0, grow: 6.0, at_first: 6.0, stiff: 3.2 },
+    control: Control { exponent: 1.0 / 7.0, safety: SAFETY, shrink: 1.0 / 3.0, grow: 6.0, at_first: 6.0, stiff: 3.2 },
 };
 
 const ROWS: [(f64, &[Term]); 8] = [

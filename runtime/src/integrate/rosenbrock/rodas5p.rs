@@ -1,7 +1,7 @@
 //! Steinebach's Rosenbrock method of order 5.
 
 use super::tableau::Tableau;
-use crate::integrate::{Control, Rational};
+use crate::integrate::{Control, Rational, SAFETY};
 
 /// Rodas5P: eight stages, order 5 with an estimate of order 4, stable for all decay and vibration, which it damps the more the
 /// stiffer (L-stable), dense output of order 4; a motion that grows by itself decays where hλ > 2.705.
@@ -129,5 +129,5 @@ pub(crate) const RODAS5P: &Tableau = &Tableau {
             4.07064747100534e-06,
         ],
     },
-    control: Control { exponent: 0.2, shrink: 0.2, grow: 6.0, at_first: 1.0, stiff: f64::INFINITY },
+    control: Control { exponent: 0.2, safety: SAFETY, shrink: 0.2, grow: 6.0, at_first: 1.0, stiff: f64::INFINITY },
 };

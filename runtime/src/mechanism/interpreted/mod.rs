@@ -2,20 +2,24 @@
 
 mod describe;
 mod extended;
+mod series;
 mod slopes;
+
+use std::sync::OnceLock;
 
 use dalembert_symbolic::interpret::{self, Function, Interpreter};
 use dalembert_symbolic::lower::Program;
 
 use describe::{describe, gimbal, motion};
 pub(crate) use extended::ExtendedAt;
+use series::OwnSeries;
 
 use super::balances::{belongs, put_reactions};
 use super::phased::{Phased, RowHistory, indicate, sprung};
 use super::system::Replaced;
 use super::{
-    Along, At, Balances, Description, Energy, Enforcement, Gimbal, Motion, MotionNumbers, Scene, Signal, Singular,
-    SingularMass, System,
+    Along, At, Balances, Description, Energy, Enforcement, Gimbal, Motion, MotionNumbers, Scene, Series, Signal,
+    Singular, SingularMass, System,
 };
 
 /// An interpreted mechanism.
@@ -28,6 +32,7 @@ pub struct Interpreted {
     signals: Vec<Option<Replaced>>,
     derivation: Option<usize>,
     phased: Phased,
+    series: OnceLock<Option<OwnSeries>>,
 }
 
 impl Interpreted {
@@ -45,7 +50,12 @@ impl Interpreted {
             signals,
             derivation: None,
             phased: Phased::default(),
+            series: OnceLock::new(),
         }
+    }
+
+    fn own_series(&self) -> Option<&OwnSeries> {
+        self.series.get_or_init(|| OwnSeries::of(self.interpreter.program())).as_ref()
     }
 
     fn evaluate(&self, function: Function, at: At<'_>, values: &mut [f64]) {
@@ -326,6 +336,19 @@ impl System for Interpreted {
 
     fn set_modes(&mut self, modes: &[f64]) {
         self.interpreter.modes.copy_from_slice(modes);
+    }
+
+    fn series(&self) -> Option<&Series> {
+        // A function that a program gives has none.
+        let replaced = self.signals.iter().any(Option::is_some);
+        self.own_series().filter(|_| !replaced).map(|own| &own.series)
+    }
+
+    fn series_constants(&self, values: &mut [f64]) {
+        if let Some(own) = self.own_series() {
+            // Those that stand in constants are the same at all times.
+            own.constants(&self.interpreter, &self.input_values(0.0), values);
+        }
     }
 
     fn drawing(&self, at: At<'_>, values: &mut [f64]) {
