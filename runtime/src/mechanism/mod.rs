@@ -15,6 +15,7 @@ mod method;
 mod motion;
 mod phased;
 mod real;
+mod sampling;
 mod singular;
 mod slopes;
 mod solve;
@@ -42,6 +43,7 @@ pub use method::{Method, ParseMethodError};
 pub use motion::{Closes, ClosesBy, Extreme, Goal, Motion, MotionNumbers};
 pub use phased::RowHistory;
 pub use real::Real;
+pub use sampling::{Clock, Sampling, Target, Trigger};
 pub use singular::{Singular, SingularMass};
 pub(crate) use slopes::AccelerationSlopes;
 #[doc(hidden)]

@@ -36,7 +36,7 @@ use crate::cause::Cause;
 use crate::constrain::{self, Elsewhere, consistent, other_branch};
 use crate::driver::{Integration, StepPolicy};
 use crate::error::Error;
-use crate::events::begin_at;
+use crate::events::{Ticks, begin_at};
 use crate::integrate::Tolerance;
 use crate::mechanism::{Enforcement, RowHistory, Stabilisation, System};
 use crate::run::{Failure, Plan, Recorder, Run};
@@ -116,6 +116,8 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
     let work = settings.watch && (dampers || !system.description().structure.conservative);
     let guess = [settings.q.as_slice(), settings.v.as_slice()].concat();
     system.set_phase(settings.phase);
+    let memory = settings.memory.clone().unwrap_or_else(|| system.scene_memory(0));
+    system.set_memory(&memory);
     if let Some(history) = system.row_history_mut() {
         *history = RowHistory::default();
     }
@@ -150,6 +152,7 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
         .decorrelate_steps(settings.decorrelate_steps)
         .following(settings.followed.clone())
         .ending_after(settings.ends_after)
+        .ticking(Ticks::new(system, settings.from, settings.ticks.as_deref()))
         .ignoring(settings.ignored_events.clone())
         .projecting(settings.projects());
     if settings.stabilisation == (Stabilisation::Baumgarte { alpha: None }) && settings.step.is_none() {
@@ -161,6 +164,9 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
         .and(settings.attainable())
         .and_then(|()| positive_inertia(system, settings.from, &y))
         .and_then(|()| constrain::possible_restitutions(system, &settings.ignored_events));
+    if let (Some(step), Ok(()), None) = (settings.first_step, &outcome, settings.step) {
+        integration.begin_with(step);
+    }
     let step = match &outcome {
         Ok(()) if finds_step && settings.until > settings.from => {
             Some(integration.find_step(system, method, &units, longest))
@@ -201,6 +207,7 @@ fn finish(system: &dyn System, integration: &Integration, mut recorder: Recorder
     integration.warnings(system).into_iter().for_each(|warning| recorder.warn(warning));
     recorder.constrained(integration.residuals());
     recorder.swept(integration.swept());
+    recorder.ticked(integration.next_ticks(), integration.next_step());
     recorder.finish(system, integration.time(), integration.state(), integration.work(), clock.elapsed().as_secs_f64())
 }
 

@@ -34,6 +34,14 @@ pub struct Settings {
     pub guessed: bool,
     /// The phase in which the run begins, by its place.
     pub phase: usize,
+    /// What is held where the run begins, in the order of [`Sampling::memory`](crate::mechanism::Sampling::memory); `None`: as in the
+    /// default scene.
+    pub memory: Option<Vec<f64>>,
+    /// The numbers of the next ticks of all clocks, for a run that goes on where another one ended; `None`: the first that are not before
+    /// the start.
+    pub ticks: Option<Vec<u64>>,
+    /// The length of the first step, s, where a run goes on with the step of another one; `None`: it is looked for.
+    pub first_step: Option<f64>,
     /// Where the run begins, s; 0 unless said otherwise.
     pub from: f64,
     /// Where it ends, s.
@@ -96,6 +104,9 @@ impl Settings {
             start_conditions: scene.start_conditions.clone(),
             guessed: scene.guessed,
             phase: scene.phase,
+            memory: None,
+            ticks: None,
+            first_step: None,
             from: 0.0,
             until: scene.until,
             tolerance: scene.tolerance,

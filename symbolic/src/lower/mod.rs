@@ -21,10 +21,11 @@ mod zero_factors;
 use std::path::Path;
 
 use crate::derive::{Derivation, Switch, held_rates, rates};
-use crate::diagnose::Problem;
+use crate::diagnose::catalogue::memory as catalogue;
+use crate::diagnose::{Place, Problem};
 use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary, jacobian, reverse};
 use crate::gate::{Judged, Report};
-use crate::model::{Model, Scene, Shape};
+use crate::model::{HeldValue, Input, Model, Scene, Shape};
 
 pub use arguments::{Argument, Role, Watched};
 pub use constraints::Constraints;
@@ -86,6 +87,8 @@ pub struct Program {
     pub outputs: Vec<Id>,
     /// Pairs (value, condition).
     pub events: Vec<Id>,
+    /// Values of all that events set, set by set.
+    pub assignments: Vec<Id>,
     /// Total time derivatives of the events' functions.
     pub event_rates: Vec<Rate>,
     /// Arguments inside events, switches and the equations of motion.
@@ -223,9 +226,15 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let loads: Vec<(String, Vec<Id>)> =
         model.loads.iter().map(|load| (load.name.clone(), load.expressions())).collect();
     let arguments = arguments::arguments(graph, &functions, &arguments, &motion, &loads);
-    let jumps = (0..model.inputs.len()).map(|k| input_jump(graph, &chosen.residual, k as u32)).collect();
+    let jumps: Vec<InputJump> =
+        (0..model.inputs.len()).map(|k| input_jump(graph, &chosen.residual, k as u32)).collect();
+    let moved = moved_by_memory(graph, &model.inputs, (&signals, &jumps), (&constraints, &model.memory));
+    if !moved.is_empty() {
+        return Err(moved);
+    }
     let power = graph.add(energies.power, constraints.power);
     let outputs = model.outputs.iter().flat_map(|o| o.value.iter().copied()).collect();
+    let assignments = model.sets.iter().flat_map(|set| set.values.iter().map(|(_, value)| *value)).collect();
     let drawing = model.draw.iter().flat_map(drawn).collect();
 
     let reads = parts::reads(graph, &chosen.residual, &constraints, &switches, &model.events);
@@ -282,6 +291,7 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
         invariants,
         outputs,
         events,
+        assignments,
         event_rates,
         arguments,
         switch_pairs,
@@ -344,6 +354,7 @@ impl Program {
             invariants: Vec::new(),
             outputs: Vec::new(),
             events: Vec::new(),
+            assignments: Vec::new(),
             event_rates: Vec::new(),
             arguments: Vec::new(),
             switch_pairs: Vec::new(),
@@ -370,6 +381,26 @@ fn rate_of(graph: &mut Graph, value: Id, differentiable: bool) -> Rate {
     } else {
         Rate::Unknown
     }
+}
+
+/// Inputs that contain held values and move bodies, or constraints.
+fn moved_by_memory(
+    graph: &Graph,
+    inputs: &[Input],
+    (signals, jumps): (&[[Id; 3]], &[InputJump]),
+    (constraints, memory): (&Constraints, &[HeldValue]),
+) -> Vec<Problem> {
+    let rows = graph.symbols(constraints.values.iter().chain(&constraints.bias).copied());
+    let in_rows = |k: usize| rows.iter().any(|s| matches!(s, Symbol::Input(input, _) if *input as usize == k));
+    let held = |k: usize| {
+        let symbols = graph.symbols([signals[k][0]]);
+        symbols.into_iter().find_map(|s| if let Symbol::Memory(j) = s { memory.get(j as usize) } else { None })
+    };
+    let place = |input: &Input| Place::default().key("inputs").key(input.name.split('[').next().unwrap_or_default());
+    (0..inputs.len())
+        .filter(|k| jumps[*k] != InputJump::Force || in_rows(*k))
+        .filter_map(|k| Some(catalogue::input_jumps(place(&inputs[k]), &inputs[k].name, &held(k)?.name)))
+        .collect()
 }
 
 /// Inputs whose rate is not there.

@@ -95,7 +95,10 @@ const AGREES: f64 = 1e-12;
 /// # Errors
 /// Why there is nothing to reduce.
 pub fn routh(program: &Program) -> Result<Reduced, NotReduced> {
-    let plain = program.constraints.is_empty() && program.switches.is_empty() && program.model.states.is_empty();
+    let plain = program.constraints.is_empty()
+        && program.switches.is_empty()
+        && program.model.states.is_empty()
+        && program.model.memory.is_empty();
     if !plain || program.model.phases.len() > 1 {
         return Err(NotReduced::NotSmooth);
     }

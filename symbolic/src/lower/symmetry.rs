@@ -44,7 +44,8 @@ pub fn symmetries(program: &Program, parameters: &[f64]) -> Option<Symmetries> {
     let simple = program.constraints.is_empty()
         && program.switches.is_empty()
         && program.model.phases.len() <= 1
-        && program.model.states.is_empty();
+        && program.model.states.is_empty()
+        && program.model.memory.is_empty();
     let n = program.model.coordinates.len();
     let states = &program.report.states;
     if !simple || states.is_empty() || n == 0 {
