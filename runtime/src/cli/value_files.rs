@@ -8,6 +8,7 @@ use dalembert_symbolic::model::Sets;
 use super::Problem;
 use super::load::Loaded;
 use super::set_up::{Place, Reader, parameter_index, place_in_state, unknown};
+use crate::mechanism::Trigger;
 use crate::{Run, Settings, State};
 
 /// Reads such a file; `#` begins a comment, as in a model file.
@@ -77,6 +78,25 @@ pub fn start(loaded: &Loaded, reader: &mut Reader, path: &str, settings: &mut Se
                 settings.phase =
                     found.ok_or_else(|| unknown("phase", &text, phases.iter().map(|phase| phase.name.as_ref())))?;
             }
+            "step" if place_in_state(loaded, &name).is_err() => {
+                settings.first_step = Some(reader.value_at(loaded, &place, Sets::Time, &text)?);
+            }
+            name if next_tick(name).is_some() => {
+                let event = next_tick(name).unwrap_or_default();
+                let clock = clock_of(loaded, event)?;
+                let number = text.parse().map_err(|_| {
+                    Problem::Usage(format!("error: {place}: the number of a tick is a whole number, not `{text}`"))
+                })?;
+                let clocks = loaded.system.sampling().clocks.len();
+                let ticks = settings.ticks.get_or_insert_with(|| vec![0; clocks]);
+                ticks[clock] = number;
+            }
+            name if loaded.system.sampling().place_of(name).is_some() => {
+                let value = reader.value_at(loaded, &place, Sets::Any, &text)?;
+                let memory = settings.memory.get_or_insert_default();
+                let held = loaded.system.sampling().place_of(name).and_then(|held| memory.get_mut(held));
+                held.into_iter().for_each(|held| *held = value);
+            }
             _ => match place_in_state(loaded, &name)? {
                 Place::Coordinate(index) => {
                     settings.q[index] = reader.value_at(loaded, &place, Sets::Coordinate(index), &text)?;
@@ -94,9 +114,39 @@ pub fn start(loaded: &Loaded, reader: &mut Reader, path: &str, settings: &mut Se
     Ok(())
 }
 
+/// The event of `next(EVENT)`, the number of its next tick.
+fn next_tick(name: &str) -> Option<&str> {
+    name.strip_prefix("next(")?.strip_suffix(')')
+}
+
+/// The clock of an event.
+fn clock_of(loaded: &Loaded, event: &str) -> Result<usize, Problem> {
+    let (events, triggers) = (&loaded.system.description().events, &loaded.system.sampling().triggers);
+    let ticking = events.iter().zip(triggers.iter());
+    let ticking = ticking.filter_map(|(event, trigger)| match trigger {
+        Trigger::Tick(clock) => Some((event.name.as_ref(), *clock as usize)),
+        _ => None,
+    });
+    let found = ticking.clone().find(|(name, _)| *name == event).map(|(_, clock)| clock);
+    found.ok_or_else(|| unknown("event that ticks", event, ticking.map(|(name, _)| name)))
+}
+
 /// The last state of a run as such a file, with all digits of each number; its parameters that are not the file's own are told.
 pub fn state(run: &Run, changed: &[(String, f64)]) -> String {
-    written(run, (&run.last(), run.phases.last()), changed)
+    let mut text = written(run, (&run.last(), run.phases.last()), changed);
+    if run.sampling.is_empty() {
+        return text;
+    }
+    for (held, value) in run.sampling.memory.iter().zip(&run.memory) {
+        let _ = writeln!(text, "\"{}\": {value}", held.name);
+    }
+    for (event, next) in run.ticks() {
+        let _ = writeln!(text, "\"next({event})\": {next}");
+    }
+    if run.step.is_none() && run.next_step > 0.0 {
+        let _ = writeln!(text, "step: {}", run.next_step);
+    }
+    text
 }
 
 /// The first one.

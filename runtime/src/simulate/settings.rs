@@ -6,7 +6,7 @@ use crate::cause::Cause;
 use crate::driver::Followed;
 use crate::error::{Error, Inseparable, Nonlinear};
 use crate::integrate::stability;
-use crate::mechanism::{Description, Enforcement, Method, Scene, Stabilisation};
+use crate::mechanism::{Description, Enforcement, Method, Scene, Stabilisation, System};
 use nalgebra::Complex;
 
 /// More numbers than this are not reported: they would fill the memory.
@@ -129,6 +129,11 @@ impl Settings {
             junctions: false,
             ends_after: None,
         }
+    }
+
+    /// The settings of a scene of a mechanism, with what is held where it starts.
+    pub fn of_scene<S: System + ?Sized>(system: &S, scene: usize) -> Self {
+        Settings { memory: Some(system.scene_memory(scene)), ..Settings::new(&system.scene(scene)) }
     }
 
     /// Tolerances below this one, about 100 unit round-offs, are raised to it, with a warning.

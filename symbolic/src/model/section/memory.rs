@@ -85,7 +85,8 @@ impl Resolver<'_> {
             }
             let value = self.builder.graph.symbol(crate::expr::Symbol::Memory(j as u32));
             let measure = self.scope.units.memory[j];
-            let unit = measure.dimension().filter(|dimension| *dimension != Dimension::ONE).map(|d| d.to_string());
+            let measured = measure.dimension().filter(|dimension| *dimension != Dimension::ONE).map(|d| d.to_string());
+            let unit = self.model.memory[j].unit.clone().filter(|unit| unit != "1").or(measured);
             self.model.outputs.push(Output { name, value: vec![value], unit, of_reactions: false });
         }
     }
