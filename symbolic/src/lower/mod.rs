@@ -21,11 +21,10 @@ mod zero_factors;
 use std::path::Path;
 
 use crate::derive::{Derivation, Switch, held_rates, rates};
-use crate::diagnose::catalogue::memory as catalogue;
-use crate::diagnose::{Place, Problem};
+use crate::diagnose::Problem;
 use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary, jacobian, reverse};
 use crate::gate::{Judged, Report};
-use crate::model::{HeldValue, Input, Model, Scene, Shape};
+use crate::model::{Model, Scene, Shape};
 
 pub use arguments::{Argument, Role, Watched};
 pub use constraints::Constraints;
@@ -226,12 +225,7 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let loads: Vec<(String, Vec<Id>)> =
         model.loads.iter().map(|load| (load.name.clone(), load.expressions())).collect();
     let arguments = arguments::arguments(graph, &functions, &arguments, &motion, &loads);
-    let jumps: Vec<InputJump> =
-        (0..model.inputs.len()).map(|k| input_jump(graph, &chosen.residual, k as u32)).collect();
-    let moved = moved_by_memory(graph, &model.inputs, (&signals, &jumps), (&constraints, &model.memory));
-    if !moved.is_empty() {
-        return Err(moved);
-    }
+    let jumps = (0..model.inputs.len()).map(|k| input_jump(graph, &chosen.residual, k as u32)).collect();
     let power = graph.add(energies.power, constraints.power);
     let outputs = model.outputs.iter().flat_map(|o| o.value.iter().copied()).collect();
     let assignments = model.sets.iter().flat_map(|set| set.values.iter().map(|(_, value)| *value)).collect();
@@ -381,26 +375,6 @@ fn rate_of(graph: &mut Graph, value: Id, differentiable: bool) -> Rate {
     } else {
         Rate::Unknown
     }
-}
-
-/// Inputs that contain held values and move bodies, or constraints.
-fn moved_by_memory(
-    graph: &Graph,
-    inputs: &[Input],
-    (signals, jumps): (&[[Id; 3]], &[InputJump]),
-    (constraints, memory): (&Constraints, &[HeldValue]),
-) -> Vec<Problem> {
-    let rows = graph.symbols(constraints.values.iter().chain(&constraints.bias).copied());
-    let in_rows = |k: usize| rows.iter().any(|s| matches!(s, Symbol::Input(input, _) if *input as usize == k));
-    let held = |k: usize| {
-        let symbols = graph.symbols([signals[k][0]]);
-        symbols.into_iter().find_map(|s| if let Symbol::Memory(j) = s { memory.get(j as usize) } else { None })
-    };
-    let place = |input: &Input| Place::default().key("inputs").key(input.name.split('[').next().unwrap_or_default());
-    (0..inputs.len())
-        .filter(|k| jumps[*k] != InputJump::Force || in_rows(*k))
-        .filter_map(|k| Some(catalogue::input_jumps(place(&inputs[k]), &inputs[k].name, &held(k)?.name)))
-        .collect()
 }
 
 /// Inputs whose rate is not there.

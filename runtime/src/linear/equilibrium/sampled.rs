@@ -27,6 +27,8 @@ const SHORTEST: f64 = 1e-9;
 const BALANCED: f64 = 1e-9;
 /// Below so many roundings of its terms an equation is not improved.
 const EXACT: f64 = 4.0 * f64::EPSILON;
+/// What has become smaller than this part of all that it was is 0, if that is a rest too.
+const GONE: f64 = 1e-12;
 /// More ticks than this until all clocks come together again are refused.
 pub const MOST_TICKS: usize = 10_000;
 /// Times within this part of the whole are one instant; ratios of periods are quotients of whole numbers to so many roundings.
@@ -447,6 +449,7 @@ impl Search {
 
     /// Newton's method by least steps, halved until the equations are better met; how many steps there were.
     fn newton(&mut self) -> Result<usize, LinearError> {
+        let mut reach: Vec<f64> = self.unknowns().iter().map(|x| x.abs()).collect();
         let mut iterations = 0;
         while iterations < ITERATIONS && self.residual() > EXACT {
             let slopes = self.slopes();
@@ -473,8 +476,23 @@ impl Search {
                 }
             }
             iterations += 1;
+            reach.iter_mut().zip(self.unknowns()).for_each(|(reach, x)| *reach = reach.max(x.abs()));
+            self.without_rounding(&reach);
         }
         Ok(iterations)
+    }
+
+    /// Sets to 0 what has all but vanished, if that is a rest too.
+    fn without_rounding(&mut self, reach: &[f64]) {
+        let from = self.unknowns();
+        let gone = |(x, reach): (&f64, &f64)| if x.abs() <= GONE * reach { 0.0 } else { *x };
+        let clean: Vec<f64> = from.iter().zip(reach).map(gone).collect();
+        if clean != from {
+            self.set(&clean);
+            if self.residual() > EXACT {
+                self.set(&from);
+            }
+        }
     }
 
     fn place(&self) -> Vec<(String, f64)> {
