@@ -8,7 +8,8 @@ use dalembert_symbolic::model::Sets;
 use super::Problem;
 use super::load::Loaded;
 use super::set_up::{Place, Reader, parameter_index, place_in_state, unknown};
-use crate::mechanism::Trigger;
+use crate::mechanism::{HIDDEN, Trigger};
+use crate::simulate::Resumed;
 use crate::{Run, Settings, State};
 
 /// Reads such a file; `#` begins a comment, as in a model file.
@@ -79,10 +80,22 @@ pub fn start(loaded: &Loaded, reader: &mut Reader, path: &str, settings: &mut Se
                     found.ok_or_else(|| unknown("phase", &text, phases.iter().map(|phase| phase.name.as_ref())))?;
             }
             "step" if place_in_state(loaded, &name).is_err() => {
-                settings.first_step = Some(reader.value_at(loaded, &place, Sets::Time, &text)?);
+                resumed(settings).step = reader.value_at(loaded, &place, Sets::Time, &text)?;
             }
-            name if next_tick(name).is_some() => {
-                let event = next_tick(name).unwrap_or_default();
+            name if within(name, "least").or(within(name, "most")).is_some() => {
+                let (most, of) = match within(name, "most") {
+                    Some(of) => (1, of),
+                    None => (0, within(name, "least").unwrap_or_default()),
+                };
+                let (place_in_list, sets) = match place_in_state(loaded, of)? {
+                    Place::Coordinate(index) => (index, Sets::Coordinate(index)),
+                    Place::Speed(index) => (settings.q.len() + index, Sets::Speed(index)),
+                };
+                let value = reader.value_at(loaded, &place, sets, &text)?;
+                resumed(settings).seen[most][place_in_list] = value;
+            }
+            name if within(name, "next").is_some() => {
+                let event = within(name, "next").unwrap_or_default();
                 let clock = clock_of(loaded, event)?;
                 let number = text.parse().map_err(|_| {
                     Problem::Usage(format!("error: {place}: the number of a tick is a whole number, not `{text}`"))
@@ -114,9 +127,15 @@ pub fn start(loaded: &Loaded, reader: &mut Reader, path: &str, settings: &mut Se
     Ok(())
 }
 
-/// The event of `next(EVENT)`, the number of its next tick.
-fn next_tick(name: &str) -> Option<&str> {
-    name.strip_prefix("next(")?.strip_suffix(')')
+/// NAME of `word(NAME)`: `next(EVENT)` is the number of an event's next tick, `least(theta)` and `most(theta)` what there was so far.
+fn within<'a>(name: &'a str, word: &str) -> Option<&'a str> {
+    name.strip_prefix(word)?.strip_prefix('(')?.strip_suffix(')')
+}
+
+/// What is known from another run; nothing of any component at first.
+fn resumed(settings: &mut Settings) -> &mut Resumed {
+    let unknown = vec![f64::NAN; 2 * settings.q.len()];
+    settings.resumed.get_or_insert_with(|| Resumed { step: 0.0, seen: [unknown.clone(), unknown] })
 }
 
 /// The clock of an event.
@@ -143,8 +162,12 @@ pub fn state(run: &Run, changed: &[(String, f64)]) -> String {
     for (event, next) in run.ticks() {
         let _ = writeln!(text, "\"next({event})\": {next}");
     }
-    if run.step.is_none() && run.next_step > 0.0 {
-        let _ = writeln!(text, "step: {}", run.next_step);
+    let Some((step, seen)) = &run.resumed else { return text };
+    let _ = writeln!(text, "step: {step}");
+    for (word, values) in ["least", "most"].iter().zip(seen) {
+        for (name, value) in run.column_names().iter().zip(values).filter(|(name, _)| !name.starts_with(HIDDEN)) {
+            let _ = writeln!(text, "\"{word}({name})\": {value}");
+        }
     }
     text
 }

@@ -229,14 +229,25 @@ impl Integration {
         self.ticks.next()
     }
 
-    /// Tries this step first, s.
-    pub fn begin_with(&mut self, step: f64) {
-        self.h = step;
+    /// Goes on with the step and the ranges that another run ended with, against a tolerance.
+    pub fn resume(&mut self, step: f64, seen: &[Vec<f64>; 2]) {
+        let StepPolicy::Adaptive { tolerance, .. } = &mut self.policy else { return };
+        let now = self.stepper.start().y;
+        for values in seen {
+            let known = |(seen, now): (&f64, &f64)| if seen.is_finite() { *seen } else { *now };
+            tolerance.observe(&values.iter().zip(now).map(known).collect::<Vec<f64>>());
+        }
+        if step > 0.0 {
+            self.h = step;
+        }
     }
 
-    /// The length of the next step as far as it is known, s; 0 where it is not.
-    pub fn next_step(&self) -> f64 {
-        self.h
+    /// The length of the next step, s, and the least and the largest values so far; `None` at a fixed step.
+    pub fn resumed(&self) -> Option<(f64, [Vec<f64>; 2])> {
+        match &self.policy {
+            StepPolicy::Fixed(_) => None,
+            StepPolicy::Adaptive { tolerance, .. } => Some((self.h, tolerance.seen())),
+        }
     }
 
     /// Lets these events do nothing.

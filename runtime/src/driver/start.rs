@@ -68,7 +68,8 @@ impl Integration {
         let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
         let span = self.until - now;
         if self.h == 0.0 {
-            self.h = self.first(system, span);
+            // Ticks end it sooner, wherever the motion ends.
+            self.h = self.first(system, span.min(self.ticks.after(now) - now));
         }
         locator.start(system, (now, &y), (self.h.min(span), span));
         if start == Starting::Prolonged {

@@ -78,6 +78,12 @@ impl Ticks {
         if same(next, stop) { stop } else { next.min(stop) }
     }
 
+    /// The first tick after t; infinite without clocks.
+    pub fn after(&self, t: f64) -> f64 {
+        let next = |clock: &Ticking| clock.when.at(clock.next + u64::from(clock.is_due(t)));
+        self.clocks.iter().map(next).fold(f64::INFINITY, f64::min)
+    }
+
     /// Whether a tick has come.
     pub fn is_due(&self, t: f64) -> bool {
         self.clocks.iter().any(|clock| clock.is_due(t))

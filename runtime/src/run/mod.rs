@@ -87,9 +87,10 @@ pub struct Run {
     pub digits: Option<Digits>,
     /// What is held at the end, in the order of [`Sampling::memory`](crate::mechanism::Sampling::memory).
     pub(crate) memory: Vec<f64>,
-    /// The numbers of the next ticks of all clocks, and the length of the next step, s.
+    /// The numbers of the next ticks of all clocks.
     pub(crate) ticks: Vec<u64>,
-    pub(crate) next_step: f64,
+    /// The length of the next step, s, and the least and largest values of [q; q'] so far; `None` at a fixed step.
+    pub(crate) resumed: Option<(f64, [Vec<f64>; 2])>,
     pub(crate) sampling: Arc<Sampling>,
     /// Time it took, s.
     pub seconds: f64,

@@ -135,7 +135,7 @@ impl Recorder {
             parts: Vec::new(),
             memory: Vec::new(),
             ticks: Vec::new(),
-            next_step: 0.0,
+            resumed: None,
             sampling: Arc::new(system.sampling().clone()),
             seconds: 0.0,
             fastest: 0.0,
@@ -456,9 +456,9 @@ impl Recorder {
         });
     }
 
-    /// Notes the numbers of the next ticks, and the length of the next step, s.
-    pub fn ticked(&mut self, next: Vec<u64>, step: f64) {
-        (self.run.ticks, self.run.next_step) = (next, step);
+    /// Notes the numbers of the next ticks, and what a run that goes on is to know.
+    pub fn ticked(&mut self, next: Vec<u64>, resumed: Option<(f64, [Vec<f64>; 2])>) {
+        (self.run.ticks, self.run.resumed) = (next, resumed);
     }
 
     /// Ends the run at this state.

@@ -29,6 +29,7 @@ pub(crate) use builder::{Described, Origin};
 pub(crate) use builder::{LAGRANGE, derivation};
 pub use by_hand::{StateMut, Stepping};
 pub(crate) use comparison::estimate_global_error;
+pub(crate) use settings::Resumed;
 pub use settings::Settings;
 pub use typed::Simulate;
 
@@ -164,8 +165,8 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
         .and(settings.attainable())
         .and_then(|()| positive_inertia(system, settings.from, &y))
         .and_then(|()| constrain::possible_restitutions(system, &settings.ignored_events));
-    if let (Some(step), Ok(()), None) = (settings.first_step, &outcome, settings.step) {
-        integration.begin_with(step);
+    if let (Some(resumed), Ok(())) = (&settings.resumed, &outcome) {
+        integration.resume(resumed.step, &resumed.seen);
     }
     let step = match &outcome {
         Ok(()) if finds_step && settings.until > settings.from => {
@@ -207,7 +208,7 @@ fn finish(system: &dyn System, integration: &Integration, mut recorder: Recorder
     integration.warnings(system).into_iter().for_each(|warning| recorder.warn(warning));
     recorder.constrained(integration.residuals());
     recorder.swept(integration.swept());
-    recorder.ticked(integration.next_ticks(), integration.next_step());
+    recorder.ticked(integration.next_ticks(), integration.resumed());
     recorder.finish(system, integration.time(), integration.state(), integration.work(), clock.elapsed().as_secs_f64())
 }
 

@@ -40,8 +40,6 @@ pub struct Settings {
     /// The numbers of the next ticks of all clocks, for a run that goes on where another one ended; `None`: the first that are not before
     /// the start.
     pub ticks: Option<Vec<u64>>,
-    /// The length of the first step, s, where a run goes on with the step of another one; `None`: it is looked for.
-    pub first_step: Option<f64>,
     /// Where the run begins, s; 0 unless said otherwise.
     pub from: f64,
     /// Where it ends, s.
@@ -91,6 +89,17 @@ pub struct Settings {
     pub(crate) junctions: bool,
     /// The event after which the run ends, in the state that it leaves.
     pub(crate) ends_after: Option<usize>,
+    /// What is known from the run that this one goes on.
+    pub(crate) resumed: Option<Resumed>,
+}
+
+/// What decides how steps are chosen, where a run ended.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Resumed {
+    /// The length of the next step, s.
+    pub step: f64,
+    /// The least and the largest value of each component of [q; q'] so far; what is not finite is not known.
+    pub seen: [Vec<f64>; 2],
 }
 
 impl Settings {
@@ -106,7 +115,6 @@ impl Settings {
             phase: scene.phase,
             memory: None,
             ticks: None,
-            first_step: None,
             from: 0.0,
             until: scene.until,
             tolerance: scene.tolerance,
@@ -128,6 +136,7 @@ impl Settings {
             instants: Arc::from([]),
             junctions: false,
             ends_after: None,
+            resumed: None,
         }
     }
 
