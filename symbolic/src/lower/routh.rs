@@ -70,7 +70,7 @@ impl Ignored {
 /// Why equations are not reduced.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NotReduced {
-    /// Constraints, discontinuities, phases or states of first order act, of which nothing is asked.
+    /// Constraints, discontinuities, phases, states of first order or held values act, of which nothing is asked.
     NotSmooth,
     /// Every coordinate matters.
     NothingIgnorable,

@@ -35,8 +35,8 @@ const PRODUCTS: usize = 4096;
 /// Twenty digits.
 const ROUNDINGS: f64 = 1e-20 / DoubleDouble::UNIT;
 
-/// Searches for symmetries with these values of the free parameters; `None` where constraints, discontinuities, phases or states of first
-/// order act, of which nothing is asked.
+/// Searches for symmetries with these values of the free parameters; `None` where constraints, discontinuities, phases, states of first
+/// order or held values act, of which nothing is asked.
 ///
 /// A map is tried at random states, each equation judged by the magnitude of its own terms to 20 digits; what it does to M, ∂F/∂q,
 /// ∂F/∂q' and F at the origin, where they are defined, says beforehand which cannot hold.
