@@ -80,7 +80,7 @@ impl Ticks {
 
     /// The first tick after t; infinite without clocks.
     pub fn after(&self, t: f64) -> f64 {
-        let next = |clock: &Ticking| clock.when.at(clock.next + u64::from(clock.is_due(t)));
+        let next = |clock: &Ticking| clock.when.at(clock.next.saturating_add(u64::from(clock.is_due(t))));
         self.clocks.iter().map(next).fold(f64::INFINITY, f64::min)
     }
 
@@ -94,7 +94,11 @@ impl Ticks {
         let due = self.clocks.iter().filter(|clock| clock.is_due(t)).copied();
         let Some(earliest) = due.reduce(|a, b| if b.time() < a.time() { b } else { a }) else { return Vec::new() };
         let now: Vec<bool> = self.clocks.iter().map(|clock| clock.is_with(&earliest)).collect();
-        self.clocks.iter_mut().zip(&now).filter(|(_, now)| **now).for_each(|(clock, _)| clock.next += 1);
+        self.clocks
+            .iter_mut()
+            .zip(&now)
+            .filter(|(_, now)| **now)
+            .for_each(|(clock, _)| clock.next = clock.next.saturating_add(1));
         let happens = |event: &usize| self.of_events[*event].is_some_and(|clock| now[clock]);
         (0..self.of_events.len()).filter(happens).collect()
     }

@@ -113,6 +113,15 @@ struct Start {
 /// Begins a run whose states are reported at this spacing.
 fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Start, Error> {
     settings.check(system.description())?;
+    let wrong = |[from, every]: &[f64; 2]| !(from.is_finite() && *every > 0.0 && every.is_finite());
+    if let Some([_, every]) = system.clocks().into_iter().find(wrong) {
+        return Err(Error::BadSetting { setting: "every", value: every, expected: "a positive period of an event" });
+    }
+    let held = settings.memory.as_ref().map_or(0, Vec::len);
+    if settings.memory.is_some() && held != system.memory().len() {
+        let (setting, expected) = ("memory", system.memory().len());
+        return Err(Error::WrongLength { setting, given: held, expected });
+    }
     let dampers = matches!(settings.enforcement, Enforcement::Springs { damping, .. } if damping > 0.0);
     let work = settings.watch && (dampers || !system.description().structure.conservative);
     let guess = [settings.q.as_slice(), settings.v.as_slice()].concat();
