@@ -24,33 +24,43 @@ pub(super) fn memory(program: &Program, bodies: &Bodies<'_>, unhoisted: &Bodies<
         return String::new();
     }
     let mut out = sampling(program);
-    let target = Target { name: "out", kind: "&mut [S]".to_owned(), used: !program.assignments.is_empty() };
-    let assignments = Function {
-        name: "assignments",
-        state: 3,
-        targets: vec![target],
-        uses: stores("out", &program.assignments),
-        ..Function::default()
-    };
-    out += &assignments.text(bodies, "    ");
+    if !program.assignments.is_empty() {
+        let assignments = Function {
+            name: "assignments",
+            state: 3,
+            targets: vec![Target { name: "out", kind: "&mut [S]".to_owned(), used: true }],
+            uses: stores("out", &program.assignments),
+            ..Function::default()
+        };
+        out += &assignments.text(bodies, "    ");
+    }
+    if !model.memory.is_empty() {
+        out += &scene_memory(program, unhoisted);
+    }
+    if !model.clocks.is_empty() {
+        let clocks = of_constants(unhoisted, "values", &program.clock_numbers(), "        ");
+        let _ = write!(
+            out,
+            "\n    fn clock_numbers<S: ::dalembert::mechanism::Real>(c: &[S]) -> ::std::vec::Vec<S> {{\n{clocks}        values(c).to_vec()\n    }}\n"
+        );
+    }
+    out
+}
+
+/// Held values where each scene starts.
+fn scene_memory(program: &Program, unhoisted: &Bodies<'_>) -> String {
     let mut arms = String::new();
     // The default scene's arm matches everything else, so it comes last.
-    let count = model.all_scenes().count();
-    for place in (1..count).chain([0]) {
+    for place in (1..program.model.all_scenes().count()).chain([0]) {
         let arm = if place == 0 { "_".to_owned() } else { place.to_string() };
         let values = of_constants(unhoisted, "values", &program.memory_of_scene(place), "                ");
         let _ = write!(arms, "            {arm} => {{\n{values}                values(c).to_vec()\n            }}\n");
     }
-    let clocks = of_constants(unhoisted, "values", &program.clock_numbers(), "        ");
-    out + &format!(
+    format!(
         "
     fn scene_memory<S: ::dalembert::mechanism::Real>(c: &[S], scene: usize) -> ::std::vec::Vec<S> {{
         match scene {{
 {arms}        }}
-    }}
-
-    fn clock_numbers<S: ::dalembert::mechanism::Real>(c: &[S]) -> ::std::vec::Vec<S> {{
-{clocks}        values(c).to_vec()
     }}
 "
     )
