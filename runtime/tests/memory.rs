@@ -505,9 +505,9 @@ fn what_does_not_take_held_values_says_so() {
     let problem = run(&["simulate", &infinite.0]).expect_err("no number");
     assert!(problem.contains("`u`, set by `tick`,"), "{problem}");
     let clock = body("clock", "memory: {u: 1}\nevents: {tick: {every: T, then: {set: {u: 2}}}}\nscene: {until: 2}\n");
-    for period in ["0", "-1", "1e-300"] {
+    for period in ["0", "-1"] {
         let problem = run(&["simulate", &clock.0, "--set", &format!("T={period}")]).expect_err("no period");
-        assert!(problem.contains("every") || problem.contains("tick"), "{problem}");
+        assert!(problem.contains("positive period"), "{problem}");
     }
     let run = Counter::default().simulate().starting("none", 1.0).run();
     assert!(matches!(run, Err(Error::UnknownName { .. })));
