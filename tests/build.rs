@@ -137,6 +137,8 @@ balances: {newton: {equations: [force: {of: [a], along: [1, 0]}]}}
 conserved: {energy: energy}
 scenes: {far: {set: {k: 3}, start: {x: 2*l}}}
 equilibrium: {x: l}
+memory: {u: 1 N}
+events: {tick: {every: 1 s, then: {set: {u: u/2}}}}
 ";
 
 /// One model for each section, with all names in it.
@@ -187,6 +189,13 @@ fn models(names: &[String]) -> Vec<(&'static str, String)> {
         "inputs:\n{}generalized_forces: {{xzz: {}}}\n",
         list(&all, &|k, _| format!("sin({k}*t/10)")),
         sum(&all, &|_, u| format!("{u} + {u}'*xzz")),
+    ));
+    // All of them are set by one event, at the ticks of a period of parameters.
+    let memory = line(&format!(
+        "memory:\n{}generalized_forces: {{xzz: {}}}\nevents:\n  ezz:\n    every: zz/4\n    then:\n      set:\n{}",
+        list(&all, &|k, _| format!("zz + {k}/10")),
+        sum(&all, &|k, m| format!("{m}*cos(xzz - {k})")),
+        list(&all, &|k, m| format!("{m}*xzz' + {}", all[k % all.len()])).replace("  \"", "        \""),
     ));
     let definitions = line(&format!(
         "define:\n{}potential_energy: {}\n",
@@ -247,6 +256,7 @@ fn models(names: &[String]) -> Vec<(&'static str, String)> {
         ("parameters", parameters),
         ("derived", derived_parameters),
         ("inputs", inputs),
+        ("memory", memory),
         ("definitions", definitions),
         ("points", points),
         ("frames", frames),

@@ -17,6 +17,12 @@
 #![doc = include_str!("../examples/control_loop.rs")]
 //! ```
 //!
+//! The file can hold values between ticks itself, which costs no code and lets `modes --sampled` judge the loop; both ways agree:
+//!
+//! ```
+#![doc = include_str!("../examples/sampled_loop.rs")]
+//! ```
+//!
 //! # Where to look
 //! - [`model!`]: the macro and its forms; [`Simulate`]: what every generated type can do.
 //! - [`Simulation`] and [`Run`]: settings of a run and its results; [`trust`]: drift and warnings.

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 dalembert::model!("../models/motor.yaml");
 dalembert::model!("../tests/states/lugre.yaml");
-dalembert::model!("../models/thermostat.yaml");
+dalembert::model!("../tests/states/thermostat.yaml");
 
 const MODELS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../models");
 

@@ -45,6 +45,10 @@ const FUNCTIONS: &[&str] = &[
     "balances",
     "parameters",
     "parameter_mut",
+    "sampling",
+    "assignments",
+    "scene_memory",
+    "clock_numbers",
     "scene_parameters",
     "scene_numbers",
     "scene",
@@ -168,8 +172,12 @@ fn judge(program: &Program) -> BTreeSet<String> {
     judge.visit_file(&file);
     assert!(judge.faults.is_empty(), "{}: {:?}", model.name, judge.faults);
     let locks = !model.gimbals().is_empty();
-    // A `use` and a `static` of the description, one `static` of the locks, both of the motions.
+    let held = !(model.memory.is_empty() && model.clocks.is_empty() && model.sets.is_empty());
+    // A `use` and a `static` of the description, one `static` of the locks, both of the motions and of what is held.
     let mut nested = vec!["description"; 2 + usize::from(locks) + if model.motions.is_empty() { 0 } else { 2 }];
+    nested.extend(if held { &["description"; 2][..] } else { &[] });
+    nested.extend(model.all_scenes().filter(|scene| !scene.memory.is_empty()).map(|_| "values"));
+    nested.extend((!model.clocks.is_empty()).then_some("values"));
     let methods: Vec<String> =
         model.derived.iter().filter(|d| !d.name.contains('[')).map(|d| method_name(&d.name)).collect();
     nested.extend(methods.iter().map(|_| "value"));
@@ -229,6 +237,14 @@ fn judge(program: &Program) -> BTreeSet<String> {
     let of_parts = |name: &str| name.starts_with("part_");
     let meant = FUNCTIONS.iter().filter(|name| !of_parts(name) || !program.parts.is_empty());
     let meant = meant.filter(|name| **name != "gimbals" || locks);
+    let stands = |name: &str| match name {
+        "sampling" => held,
+        "assignments" => !program.assignments.is_empty(),
+        "scene_memory" => !model.memory.is_empty(),
+        "clock_numbers" => !model.clocks.is_empty(),
+        _ => true,
+    };
+    let meant = meant.filter(|name| stands(name));
     let timed = program.frequencies.as_ref().is_none_or(|list| !list.is_empty());
     let meant = meant.filter(|name| **name != "frequencies" || timed);
     let meant = meant.filter(|name| !name.starts_with("motion") || !model.motions.is_empty());

@@ -47,6 +47,10 @@ fn everything(system: &dyn System, state: &Drawn) -> Vec<(&'static str, Vec<f64>
     collect("outputs", description.output_len(), &|x| system.outputs(At::new(*t, q, v).accelerated(a), x));
     collect("events", 2 * description.events.len(), &|x| system.events(At::new(*t, q, v).accelerated(a), x));
     collect("event rates", description.events.len(), &|x| system.event_rates(At::new(*t, q, v).accelerated(a), x));
+    let assigned: usize = system.sampling().sets.iter().map(|targets| targets.len()).sum();
+    collect("assignments", assigned, &|x| system.assignments(At::new(*t, q, v).accelerated(a), x));
+    collect("memory", system.sampling().memory.len(), &|x| x.copy_from_slice(&system.scene_memory(0)));
+    collect("clocks", 2 * system.sampling().clocks.len(), &|x| x.copy_from_slice(system.clocks().as_flattened()));
     collect("arguments", 2 * description.arguments.len(), &|x| system.arguments(At::new(*t, q, v).accelerated(a), x));
     collect("switches", 2 * description.switches.len(), &|x| system.switches(At::new(*t, q, v).accelerated(a), x));
     collect("drawing", description.drawing_len(), &|x| system.drawing(At::new(*t, q, v), x));

@@ -235,6 +235,7 @@ fn modes() -> Command {
         .arg(many("input", "NAME=VALUE", "Hold an input at a value [default: all at 0]"))
         .arg(many("at", "NAME=VALUE", "Where the search starts [default: the file's `equilibrium`]"))
         .arg(value("phase", "NAME", "Which constraints and forces act [default: those of the scene's start]"))
+        .arg(flag("sampled", "Close the loops that ticks close: the rest at which all that they set stays as it is, the map over a period, its eigenvalues z with ln z/T, and the period from which on the loop is unstable; inputs that do not change keep their values"))
         .arg(flag("steady", "Find the steady motion in which cyclic coordinates keep the speeds of the scene (`--at` sets others), with constraints too"))
         .arg(picture("plot", "Draw the shapes of the modes"))
         .arg(value("matrices", "NAME.mtx", "Write M, C, K, B and the state matrix A as NAME-M.mtx and so on, in Matrix Market's format, or as tables (NAME.csv)"))

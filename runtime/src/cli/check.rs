@@ -7,7 +7,7 @@ use dalembert_symbolic::expr::Symbol;
 use dalembert_symbolic::file;
 use dalembert_symbolic::gate::{Conservative, Nature, Origin, Report, shared_data};
 use dalembert_symbolic::lower::Program;
-use dalembert_symbolic::model::HIDDEN;
+use dalembert_symbolic::model::{EventAction, HIDDEN};
 use dalembert_symbolic::number::DoubleDouble;
 use serde_json::Value;
 
@@ -51,7 +51,12 @@ fn one(models: &[Entry], name: &str, options: &ArgMatches, out: &mut dyn Write) 
         1 => ", 1 state of first order".to_owned(),
         k => format!(", {k} states of first order"),
     };
-    writeln!(out, "{}: {n} coordinate{}{first_order}", text.name, if n == 1 { "" } else { "s" })?;
+    let held = match program.model.memory.len() {
+        0 => String::new(),
+        1 => ", 1 held value".to_owned(),
+        k => format!(", {k} held values"),
+    };
+    writeln!(out, "{}: {n} coordinate{}{first_order}{held}", text.name, if n == 1 { "" } else { "s" })?;
     for state in once_stated(&program) {
         writeln!(out, "  the rate of {state} is stated once: an `equation` in `balances` may state it again")?;
     }
@@ -81,9 +86,15 @@ fn one(models: &[Entry], name: &str, options: &ArgMatches, out: &mut dyn Write) 
         } else {
             let by: Vec<String> = events.iter().map(|event| format!("`{event}`")).collect();
             let by = by.join(", ");
+            let sets = |event: &&String| {
+                let found = model.events.iter().find(|known| known.name == **event);
+                found.is_some_and(|event| event.actions.iter().any(|action| matches!(action, EventAction::Set(_))))
+            };
+            let (between, impact) =
+                if events.iter().any(|event| sets(&event)) { ("events", "") } else { ("impacts", "impact ") };
             writeln!(
                 out,
-                "  {name} is conserved between impacts{condition}, worst {worst:.1e}; changed by impact {by}"
+                "  {name} is conserved between {between}{condition}, worst {worst:.1e}; changed by {impact}{by}"
             )?;
         }
     }

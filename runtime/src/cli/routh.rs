@@ -10,7 +10,7 @@ pub fn lines(program: &Program) -> String {
     match routh(program) {
         Ok(reduced) => report(program, &reduced),
         Err(NotReduced::NotSmooth) => {
-            "  Routh: nothing is reduced where constraints, discontinuities or phases act\n".to_owned()
+            "  Routh: nothing is reduced where constraints, discontinuities, phases, states of first order or held values act\n".to_owned()
         }
         Err(NotReduced::NothingIgnorable) => {
             "  Routh: nothing is reduced, since every coordinate and every direction matters\n".to_owned()

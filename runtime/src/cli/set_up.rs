@@ -30,7 +30,7 @@ pub fn set_up_scene(loaded: &mut Loaded, options: &ArgMatches, scene: Option<&st
 fn set_up_at(loaded: &mut Loaded, options: &ArgMatches, scene: usize) -> Result<Settings, Problem> {
     let (scene, mut reader) = choose_scene(loaded, options, scene)?;
     let changes = Changes::read(loaded, &mut reader, options)?;
-    let mut settings = Settings::new(&loaded.system.scene(scene));
+    let mut settings = Settings::of_scene(&*loaded.system, scene);
     if let Some(path) = options.try_get_one::<String>("state").ok().flatten() {
         value_files::start(loaded, &mut reader, path, &mut settings)?;
     }
@@ -55,6 +55,8 @@ fn ignore(loaded: &Loaded, options: &ArgMatches, settings: &mut Settings) -> Res
 pub struct Changes {
     /// Places in [q; q'] with values at the start.
     start: Vec<(usize, f64)>,
+    /// Held values at the start, by their places.
+    memory: Vec<(usize, f64)>,
     until: Option<f64>,
     tolerance: Option<f64>,
     every: Option<f64>,
@@ -69,6 +71,7 @@ impl Changes {
         let [q, v] = &mut start;
         reader.states(loaded, options, "start", q, v)?;
         let start = start.concat().into_iter().enumerate().filter(|(_, value)| !value.is_nan()).collect();
+        let memory = reader.memory(loaded, options, "start")?;
         let mut option = |name: &str| -> Result<Option<f64>, Problem> {
             let sets = if name == "tolerance" { Sets::Number } else { Sets::Time };
             let given = options.try_get_one::<String>(name).ok().flatten();
@@ -77,13 +80,16 @@ impl Changes {
         let (until, tolerance) = (option("until")?, option("tolerance")?);
         let (every, step) = (option("every")?, option("step")?);
         let max_steps = options.try_get_one::<u64>("max-steps").ok().flatten().copied();
-        Ok(Changes { start, until, tolerance, every, step, max_steps })
+        Ok(Changes { start, memory, until, tolerance, every, step, max_steps })
     }
 
     /// These settings with the changes.
     pub fn of(&self, mut settings: Settings) -> Settings {
         for (place, value) in &self.start {
             start_at(&mut settings, *place, *value);
+        }
+        for (place, value) in &self.memory {
+            settings.memory.iter_mut().for_each(|memory| memory[*place] = *value);
         }
         settings.until = self.until.unwrap_or(settings.until);
         settings.tolerance = self.tolerance.unwrap_or(settings.tolerance);
@@ -160,6 +166,9 @@ impl Reader {
         v: &mut [f64],
     ) -> Result<(), Problem> {
         for (name, text) in pairs(options, option)? {
+            if loaded.system.sampling().place_of(&name).is_some() {
+                continue;
+            }
             match place_in_state(loaded, &name)? {
                 Place::Coordinate(index) => {
                     q[index] = self.value(loaded, option, Sets::Coordinate(index), &text)?;
@@ -168,6 +177,22 @@ impl Reader {
             }
         }
         Ok(())
+    }
+
+    /// Held values of such an option, by their places.
+    pub fn memory(
+        &mut self,
+        loaded: &Loaded,
+        options: &ArgMatches,
+        option: &str,
+    ) -> Result<Vec<(usize, f64)>, Problem> {
+        let mut found = Vec::new();
+        for (name, text) in pairs(options, option)? {
+            if let Some(place) = loaded.system.sampling().place_of(&name) {
+                found.push((place, self.value(loaded, option, Sets::Any, &text)?));
+            }
+        }
+        Ok(found)
     }
 
     /// The number that an option's value stands for.
@@ -268,6 +293,9 @@ pub fn origin(loaded: &Loaded, options: &ArgMatches) -> Result<Origin, Problem> 
     let scene = scene_of(loaded, options)?;
     let mut given = vec![stated; 2 * n];
     for (name, _) in pairs(options, "start")? {
+        if loaded.system.sampling().place_of(&name).is_some() {
+            continue;
+        }
         given[match place_in_state(loaded, &name)? {
             Place::Coordinate(index) => index,
             Place::Speed(index) => n + index,

@@ -16,7 +16,7 @@ use super::load::Loaded;
 use super::plotted::Shown;
 use super::set_up::{set_up, set_up_scene};
 use super::{Entry, Problem, compare, drawn, enforcement, outputs, slopes, symmetries, value_files};
-use crate::mechanism::{Description, Enforcement, Stabilisation};
+use crate::mechanism::{self, Action, Description, Enforcement, Stabilisation, Target};
 use crate::numbers::short;
 use crate::run::{RunPart, Work};
 use crate::show::Animation;
@@ -261,6 +261,9 @@ fn report(
         writeln!(out, "  impulse at t = {}: {}", short(impulse.t), rows.join(", "))?;
     }
     write!(out, "{}", run.trust())?;
+    for line in what_sets(run) {
+        writeln!(out, "memory         {line}")?;
+    }
     if let Some(rows) = run.residuals.filter(|_| {
         settings.enforcement != Enforcement::default() || settings.stabilisation != Stabilisation::default()
     }) {
@@ -294,6 +297,27 @@ fn report(
     Ok(())
 }
 
+/// What each event sets, and how many ticks it had: `tick sets u and n, at 401 ticks`.
+fn what_sets(run: &Run) -> Vec<String> {
+    let (description, sampling) = (&run.description, &run.sampling);
+    let of_event = |event: &mechanism::Event| {
+        let sets = event.actions.iter().filter_map(|action| match action {
+            Action::Set(set) => sampling.sets.get(*set as usize),
+            _ => None,
+        });
+        let names = sets.flat_map(|targets| targets.iter()).map(|target| match target {
+            Target::Memory(place) => sampling.memory[*place as usize].name.to_string(),
+            Target::State(place) => description.coordinate_name(*place as usize),
+        });
+        let names: Vec<String> = names.collect();
+        let ticks = run.ticks().find(|(name, _)| *name == event.name).map(|(_, count)| count);
+        let ticks =
+            ticks.map_or(String::new(), |count| format!(", at {count} tick{}", if count == 1 { "" } else { "s" }));
+        (!names.is_empty()).then(|| format!("{} sets {}{ticks}", event.name, names.join(", ")))
+    };
+    description.events.iter().filter_map(of_event).collect()
+}
+
 fn as_json(loaded: &Loaded, settings: &Settings, run: &Run) -> Value {
     let last = run.last();
     let description = loaded.system.description();
@@ -303,6 +327,8 @@ fn as_json(loaded: &Loaded, settings: &Settings, run: &Run) -> Value {
     };
     let states = description.coordinates.iter().zip(&last.v);
     let states = states.filter_map(|(c, x)| Some((c.state()?.to_owned(), number(*x))));
+    let memory =
+        run.sampling.memory.iter().zip(&run.memory).map(|(held, value)| (held.name.to_string(), number(*value)));
     let drift = run.drift.iter().map(|d| (d.name.clone(), d.value.map_or(Value::Null, number)));
     let balance = run.energy_balance.map_or(Value::Null, number);
     let residuals = run.residuals.unwrap_or_default();
@@ -322,6 +348,8 @@ fn as_json(loaded: &Loaded, settings: &Settings, run: &Run) -> Value {
         ("q", named(&last.q)),
         ("v", named(&last.v)),
         ("states", object(states)),
+        ("memory", object(memory)),
+        ("ticks", object(run.ticks().map(|(event, count)| (event.to_owned(), json!(count))))),
         ("outputs", outputs_at_end(description, run)),
         ("drift", object(drift.chain([("energy_balance".to_owned(), balance)]))),
         ("constraint", object([("position", number(residuals.position)), ("velocity", number(residuals.velocity))])),

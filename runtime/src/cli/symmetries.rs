@@ -45,7 +45,10 @@ pub fn of_scenes(loaded: &Loaded, program: &Program, out: &mut dyn Write) -> Res
             system.set_parameter(index, value);
         }
         let Some(found) = Found::of(program, &*system) else {
-            writeln!(out, "  symmetries are not looked for where constraints, discontinuities or phases act")?;
+            writeln!(
+                out,
+                "  symmetries are not looked for where constraints, discontinuities, phases, states of first order or held values act"
+            )?;
             return Ok(());
         };
         writeln!(out, "  symmetries of `{name}`: {}{}", listed(&found.generators), rest(found.complete))?;
@@ -85,7 +88,10 @@ pub fn watch(loaded: &Loaded, run: &mut Run) -> Result<Option<Watched>, Problem>
 /// The lines of `simulate`.
 pub fn write(watched: Option<&Watched>, out: &mut dyn Write) -> Result<(), Problem> {
     let Some(Watched { kept, complete }) = watched else {
-        writeln!(out, "symmetry       not looked for where constraints, discontinuities or phases act")?;
+        writeln!(
+            out,
+            "symmetry       not looked for where constraints, discontinuities, phases, states of first order or held values act"
+        )?;
         return Ok(());
     };
     if kept.is_empty() {

@@ -8,6 +8,8 @@ use dalembert_symbolic::model::Sets;
 use super::Problem;
 use super::load::Loaded;
 use super::set_up::{Place, Reader, parameter_index, place_in_state, unknown};
+use crate::mechanism::{HIDDEN, Trigger};
+use crate::simulate::Resumed;
 use crate::{Run, Settings, State};
 
 /// Reads such a file; `#` begins a comment, as in a model file.
@@ -77,6 +79,37 @@ pub fn start(loaded: &Loaded, reader: &mut Reader, path: &str, settings: &mut Se
                 settings.phase =
                     found.ok_or_else(|| unknown("phase", &text, phases.iter().map(|phase| phase.name.as_ref())))?;
             }
+            "step" if place_in_state(loaded, &name).is_err() => {
+                resumed(settings).step = reader.value_at(loaded, &place, Sets::Time, &text)?;
+            }
+            name if within(name, "least").or(within(name, "most")).is_some() => {
+                let (most, of) = match within(name, "most") {
+                    Some(of) => (1, of),
+                    None => (0, within(name, "least").unwrap_or_default()),
+                };
+                let (place_in_list, sets) = match place_in_state(loaded, of)? {
+                    Place::Coordinate(index) => (index, Sets::Coordinate(index)),
+                    Place::Speed(index) => (settings.q.len() + index, Sets::Speed(index)),
+                };
+                let value = reader.value_at(loaded, &place, sets, &text)?;
+                resumed(settings).seen[most][place_in_list] = value;
+            }
+            name if within(name, "next").is_some() => {
+                let event = within(name, "next").unwrap_or_default();
+                let clock = clock_of(loaded, event)?;
+                let number = text.parse().map_err(|_| {
+                    Problem::Usage(format!("error: {place}: the number of a tick is a whole number, not `{text}`"))
+                })?;
+                let clocks = loaded.system.sampling().clocks.len();
+                let ticks = settings.ticks.get_or_insert_with(|| vec![0; clocks]);
+                ticks[clock] = number;
+            }
+            name if loaded.system.sampling().place_of(name).is_some() => {
+                let value = reader.value_at(loaded, &place, Sets::Any, &text)?;
+                let memory = settings.memory.get_or_insert_default();
+                let held = loaded.system.sampling().place_of(name).and_then(|held| memory.get_mut(held));
+                held.into_iter().for_each(|held| *held = value);
+            }
             _ => match place_in_state(loaded, &name)? {
                 Place::Coordinate(index) => {
                     settings.q[index] = reader.value_at(loaded, &place, Sets::Coordinate(index), &text)?;
@@ -94,9 +127,49 @@ pub fn start(loaded: &Loaded, reader: &mut Reader, path: &str, settings: &mut Se
     Ok(())
 }
 
+/// NAME of `word(NAME)`: `next(EVENT)` is the number of an event's next tick, `least(theta)` and `most(theta)` what there was so far.
+fn within<'a>(name: &'a str, word: &str) -> Option<&'a str> {
+    name.strip_prefix(word)?.strip_prefix('(')?.strip_suffix(')')
+}
+
+/// What is known from another run; nothing of any component at first.
+fn resumed(settings: &mut Settings) -> &mut Resumed {
+    let unknown = vec![f64::NAN; 2 * settings.q.len()];
+    settings.resumed.get_or_insert_with(|| Resumed { step: 0.0, seen: [unknown.clone(), unknown] })
+}
+
+/// The clock of an event.
+fn clock_of(loaded: &Loaded, event: &str) -> Result<usize, Problem> {
+    let (events, triggers) = (&loaded.system.description().events, &loaded.system.sampling().triggers);
+    let ticking = events.iter().zip(triggers.iter());
+    let ticking = ticking.filter_map(|(event, trigger)| match trigger {
+        Trigger::Tick(clock) => Some((event.name.as_ref(), *clock as usize)),
+        _ => None,
+    });
+    let found = ticking.clone().find(|(name, _)| *name == event).map(|(_, clock)| clock);
+    found.ok_or_else(|| unknown("event that ticks", event, ticking.map(|(name, _)| name)))
+}
+
 /// The last state of a run as such a file, with all digits of each number; its parameters that are not the file's own are told.
 pub fn state(run: &Run, changed: &[(String, f64)]) -> String {
-    written(run, (&run.last(), run.phases.last()), changed)
+    let mut text = written(run, (&run.last(), run.phases.last()), changed);
+    if run.sampling.is_empty() {
+        return text;
+    }
+    for (held, value) in run.sampling.memory.iter().zip(&run.memory) {
+        let _ = writeln!(text, "\"{}\": {value}", held.name);
+    }
+    for (event, next) in run.ticks() {
+        let _ = writeln!(text, "\"next({event})\": {next}");
+    }
+    let Some((step, seen)) = &run.resumed else { return text };
+    let _ = writeln!(text, "step: {step}");
+    for (word, values) in ["least", "most"].iter().zip(seen) {
+        for (name, value) in run.column_names().iter().zip(values).filter(|(name, _)| !name.starts_with(HIDDEN)) {
+            let _ = writeln!(text, "\"{word}({name})\": {value}");
+        }
+    }
+    text
 }
 
 /// The first one.

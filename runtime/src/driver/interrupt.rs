@@ -60,7 +60,7 @@ impl Integration {
             return Ok(Outcome::Kept(StopReason::Arrived));
         }
         let together = locator.simultaneous(crossing, &self.segment(step));
-        let fired = match self.shorten(system, step, crossing, locator)? {
+        let mut fired = match self.shorten(system, step, crossing, locator)? {
             Some((shorter, error)) if self.is_blind(error) => {
                 // Newton's method may have gone beyond the step that was tried, which is not to be tried again.
                 let shorter = self.control.rejected(shorter.h, error);
@@ -77,8 +77,15 @@ impl Integration {
             }
             None => locator.fire(system, &together, (self.clock.now(), self.stepper.start().y), recorder),
         };
+        let now = self.clock.now();
+        if self.ticks.is_due(now) {
+            // A tick at the same instant has its place in the file's order.
+            let ticks = self.ticks.take(now);
+            fired.extend(locator.pending(system, ticks.into_iter()));
+            fired.sort_by_key(|fired| fired.event);
+        }
         let first = fired.iter().flat_map(|fired| &fired.actions).find(|action| **action != Action::Record);
-        if first == Some(&Action::Stop) {
+        if first == Some(&Action::Stop) && !fired.iter().any(|fired| fired.pending) {
             // What jumps where an event ends the run belongs to it.
             if locator.is_due(self.clock.now()) {
                 recorder.leave(system, self.clock.now(), self.stepper.start());

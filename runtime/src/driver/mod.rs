@@ -3,7 +3,7 @@
 //! A step is tried until its error is small enough; its dense output is made where anything reads it; what is watched
 //! may end it early: look in `interrupt.rs`; it is written down and taken.  Jumps of the acceleration that
 //! nobody declared: look in `jump.rs`; what is asked of a step between its ends: in `between.rs`; rounding that looks like
-//! errors: in `noise.rs`; constraints at the ends of steps: in `constraints.rs`; phases and impacts: in `phase.rs`; events where a motion starts: in `start.rs`; the first
+//! errors: in `noise.rs`; constraints at the ends of steps: in `constraints.rs`; phases and impacts: in `phase.rs`; ticks, and what events set: in `set.rs`; events where a motion starts: in `start.rs`; the first
 //! step: in `first.rs`; steps of another run that it follows: in `followed.rs`; how the way to a stop is divided: in `plan.rs`; mechanisms that stand still: in `rest.rs`; a fixed step that suits a tolerance: in `trial.rs`.
 
 mod between;
@@ -16,6 +16,7 @@ mod noise;
 mod phase;
 mod plan;
 mod rest;
+mod set;
 mod start;
 mod trial;
 
@@ -32,7 +33,7 @@ use start::Starting;
 
 use crate::cause::Cause;
 use crate::constrain::Projection;
-use crate::events::EventLocator;
+use crate::events::{EventLocator, Ticks};
 use crate::integrate::{
     Clock, Control, Endpoint, OneStep, Segment, StepControl, StepFailure, StiffnessDetector, Tolerance, Trial, stepper,
 };
@@ -101,6 +102,8 @@ pub(crate) struct Integration {
     locator: Option<Box<EventLocator>>,
     /// The event after which the motion ends, all that happens at its instant done.
     ends_after: Option<usize>,
+    /// Ticks that are still to come.
+    ticks: Ticks,
     /// Where there are constraints.
     projection: Option<Box<Projection>>,
     /// Whether states are brought back to them.
@@ -160,6 +163,7 @@ impl Integration {
             even: 0.0,
             locator: None,
             ends_after: None,
+            ticks: Ticks::default(),
             projection: None,
             projects: true,
             finds_gain: false,
@@ -212,6 +216,38 @@ impl Integration {
     pub fn ending_after(mut self, event: Option<usize>) -> Self {
         self.ends_after = event;
         self
+    }
+
+    /// With these clocks.
+    pub fn ticking(mut self, ticks: Ticks) -> Self {
+        self.ticks = ticks;
+        self
+    }
+
+    /// The numbers of the next ticks of all clocks.
+    pub fn next_ticks(&self) -> Vec<u64> {
+        self.ticks.next()
+    }
+
+    /// Goes on with the step and the ranges that another run ended with, against a tolerance.
+    pub fn resume(&mut self, step: f64, seen: &[Vec<f64>; 2]) {
+        let StepPolicy::Adaptive { tolerance, .. } = &mut self.policy else { return };
+        let now = self.stepper.start().y;
+        for values in seen {
+            let known = |(seen, now): (&f64, &f64)| if seen.is_finite() { *seen } else { *now };
+            tolerance.observe(&values.iter().zip(now).map(known).collect::<Vec<f64>>());
+        }
+        if step > 0.0 {
+            self.h = step;
+        }
+    }
+
+    /// The length of the next step, s, and the least and the largest values so far; `None` at a fixed step.
+    pub fn resumed(&self) -> Option<(f64, [Vec<f64>; 2])> {
+        match &self.policy {
+            StepPolicy::Fixed(_) => None,
+            StepPolicy::Adaptive { tolerance, .. } => Some((self.h, tolerance.seen())),
+        }
     }
 
     /// Lets these events do nothing.
@@ -330,17 +366,24 @@ impl Integration {
                 return Err(Cause::Interrupted.into());
             }
         }
-        Ok(if self.clock.now() >= self.until { self.end_events(system, recorder) } else { StopReason::Arrived })
+        if self.ticks.is_due(self.clock.now()) && self.tick(system, recorder)? == StopReason::Event {
+            return Ok(StopReason::Event);
+        }
+        if self.clock.now() >= self.until { self.end_events(system, recorder) } else { Ok(StopReason::Arrived) }
     }
 
-    /// Takes one step, or what an event or a discontinuity leaves of it.
+    /// Takes one step, or what an event or a discontinuity leaves of it; where a tick has come, does what that says.
     pub fn one(
         &mut self,
         system: &mut dyn System,
         until: f64,
         recorder: &mut Recorder,
     ) -> Result<StopReason, Box<Cause>> {
+        if self.ticks.is_due(self.clock.now()) {
+            return self.tick(system, recorder);
+        }
         let stop = self.locator.as_ref().map_or(until, |locator| locator.next_stop(until));
+        let stop = self.ticks.stop(stop);
         self.smooth_until = stop;
         let mut most = f64::INFINITY;
         loop {

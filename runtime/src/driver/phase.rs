@@ -1,5 +1,6 @@
 //! Phases and impacts: what events do to the state and to the constraints in force.
 
+use super::set::Assigned;
 use super::{Integration, StopReason};
 use crate::cause::Cause;
 use crate::constrain::{VelocityJump, possible_restitution, velocity_jump};
@@ -102,44 +103,77 @@ impl Integration {
     ) -> Result<StopReason, Box<Cause>> {
         let mut fired = fired;
         let mut stop_reason = StopReason::Arrived;
+        // What a tick does not do needs no new start.
+        let mut idle = fired.iter().all(|fired| fired.pending);
         while !self.cycles(locator.last_step()) {
             let (before, mut changed, mut hit) = (system.phase(), false, false);
-            let mut stops = false;
-            if fired.iter().any(|fired| Some(fired.event) == self.ends_after) {
-                stop_reason = StopReason::Event;
-            }
-            'all: for Fired { event, actions, .. } in &fired {
-                for action in actions {
-                    if *action == Action::Stop {
-                        stops = true;
-                        break 'all;
+            let (mut stops, mut assigned) = (false, Assigned::default());
+            let sets = |action: &Action| matches!(action, Action::Set(_));
+            let watched = match fired.iter().flat_map(|fired| &fired.actions).any(sets) {
+                true => locator.values(system, (self.clock.now(), self.stepper.start().y)),
+                false => Vec::new(),
+            };
+            let enters = fired.iter().flat_map(|fired| &fired.actions).any(|action| matches!(action, Action::Phase(_)));
+            'all: for Fired { event, actions, pending } in &fired {
+                let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
+                if *pending {
+                    if !locator.holds(system, *event, (now, &y)) {
+                        continue;
                     }
-                    let Done { acts, strikes } = self.does(system, (*event, *action), recorder)?;
-                    changed |= acts;
-                    hit |= strikes;
+                    if !actions.iter().all(sets) {
+                        locator.log(system, *event, (now, &y), actions.contains(&Action::Stop), recorder);
+                    }
+                }
+                if Some(*event) == self.ends_after {
+                    stop_reason = StopReason::Event;
+                }
+                for action in actions {
+                    match action {
+                        Action::Stop => {
+                            stops = true;
+                            break 'all;
+                        }
+                        Action::Set(set) => self.assign(system, (*event, *set as usize), &mut assigned)?,
+                        action => {
+                            let Done { acts, strikes } = self.does(system, (*event, *action), recorder)?;
+                            changed |= acts;
+                            hit |= strikes;
+                        }
+                    }
                 }
             }
-            if !changed && !stops {
-                break;
+            if !changed && !assigned.any && !stops {
+                if !idle {
+                    self.restart(system, recorder)?;
+                }
+                return Ok(stop_reason);
+            }
+            idle = false;
+            if assigned.any && !changed {
+                let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
+                locator.reassigned(system, (now, &y), &watched, &mut |system| self.trial(system))?;
             }
             if stops {
                 self.project_start(system)?;
                 self.restart(system, recorder)?;
                 return Ok(StopReason::Event);
             }
-            let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
-            self.project_start(system)?;
-            locator.enter(system, (now, &y), hit, &mut |system| self.trial(system))?;
-            let enters = |action: &Action| matches!(action, Action::Phase(_));
-            let entered = system.phase() != before || fired.iter().any(|fired| fired.actions.iter().any(enters));
-            fired = locator.already_past(system, (now, self.stepper.start().y), entered);
+            fired.clear();
+            if changed {
+                let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
+                self.project_start(system)?;
+                locator.enter(system, (now, &y), hit, &mut |system| self.trial(system))?;
+                let entered = system.phase() != before || enters;
+                fired = locator.already_past(system, (now, self.stepper.start().y), entered);
+                for Fired { event, actions, .. } in &fired {
+                    let stops = actions.contains(&Action::Stop);
+                    locator.log(system, *event, (now, self.stepper.start().y), stops, recorder);
+                }
+            }
+            fired.extend(self.consequences(system, &assigned, locator));
             if fired.is_empty() {
                 self.restart(system, recorder)?;
                 return Ok(stop_reason);
-            }
-            for Fired { event, actions, .. } in &fired {
-                let stops = actions.contains(&Action::Stop);
-                locator.log(system, *event, (now, self.stepper.start().y), stops, recorder);
             }
         }
         let event = fired.first().map_or(0, |fired| fired.event);
@@ -188,7 +222,7 @@ impl Integration {
         recorder: &mut Recorder,
     ) -> Result<Done, Box<Cause>> {
         match action {
-            Action::Stop | Action::Record => Ok(Done { acts: false, strikes: false }),
+            Action::Stop | Action::Record | Action::Set(_) => Ok(Done { acts: false, strikes: false }),
             Action::Phase(phase) => self.alternate(system, (event, phase as usize), recorder),
             Action::Impact { along, restitution } => {
                 let Struck { restitution: e, impulses } = self.strike(system, along, restitution as usize, recorder)?;

@@ -26,17 +26,29 @@ impl Integration {
         Ok(())
     }
 
-    /// Records events at whose zero the motion ends.
-    pub(super) fn end_events(&mut self, system: &dyn System, recorder: &mut Recorder) -> StopReason {
-        let Some(mut locator) = self.locator.take() else { return StopReason::Arrived };
+    /// Records events at whose zero the motion ends, and sets what they set.
+    pub(super) fn end_events(
+        &mut self,
+        system: &mut dyn System,
+        recorder: &mut Recorder,
+    ) -> Result<StopReason, Box<Cause>> {
+        let Some(mut locator) = self.locator.take() else { return Ok(StopReason::Arrived) };
         let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
-        let mut stop_reason = StopReason::Arrived;
+        let (mut stop_reason, mut fired) = (Ok(StopReason::Arrived), Vec::new());
         for event in locator.at_end(system, (now, &y), self.h) {
-            let stops = system.description().events[event].actions.contains(&Action::Stop);
+            let actions = system.description().events[event].actions.to_vec();
+            let stops = actions.contains(&Action::Stop);
             locator.log(system, event, (now, &y), stops, recorder);
             if stops {
-                stop_reason = StopReason::Event;
+                stop_reason = Ok(StopReason::Event);
             }
+            if actions.iter().any(|action| matches!(action, Action::Set(_))) {
+                fired.push(Fired { event, actions, pending: false });
+            }
+        }
+        if !fired.is_empty() {
+            recorder.leave(system, now, self.stepper.start());
+            stop_reason = self.act(system, fired, &mut locator, recorder);
         }
         self.locator = Some(locator);
         stop_reason
@@ -56,7 +68,8 @@ impl Integration {
         let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
         let span = self.until - now;
         if self.h == 0.0 {
-            self.h = self.first(system, span);
+            // Ticks end it sooner, wherever the motion ends.
+            self.h = self.first(system, span.min(self.ticks.after(now) - now));
         }
         locator.start(system, (now, &y), (self.h.min(span), span));
         if start == Starting::Prolonged {
@@ -73,7 +86,7 @@ impl Integration {
         let mut stop_reason = Ok(StopReason::Arrived);
         if !fired.is_empty() {
             recorder.leave(system, now, self.stepper.start());
-            for Fired { event, actions } in &fired {
+            for Fired { event, actions, .. } in &fired {
                 locator.log(system, *event, (now, &y), actions.contains(&Action::Stop), recorder);
             }
             stop_reason = self.act(system, fired, &mut locator, recorder);

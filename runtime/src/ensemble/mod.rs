@@ -196,7 +196,8 @@ where
         Method::Auto | Method::Dop853 => Method::Dop853,
         _ => return None,
     };
-    let fits = C == 0 && M::MODES == 0 && M::PHASES == 0 && system.is_plain() && told && tame && steady;
+    let fits =
+        C == 0 && M::MODES == 0 && M::PHASES == 0 && M::MEMORY == 0 && system.is_plain() && told && tame && steady;
     let start = [settings.q.as_slice(), settings.v.as_slice()].concat();
     let sound = || {
         let at = At::packed(settings.from, &start, N);

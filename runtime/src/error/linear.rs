@@ -38,6 +38,13 @@ pub enum LinearError {
     HasConstraints,
     /// The mechanism has states of first order: M, C and K do not hold them, `linearise_states` does.
     HasStates,
+    /// Nothing happens at ticks, so that no loop is sampled.
+    NotSampled,
+    /// It takes more ticks than can be followed until all clocks come together again, if they do.
+    TooManyTicks {
+        /// So many would be.
+        most: usize,
+    },
     /// A constraint contains speeds, so that no coordinates are independent.
     VelocityConstraint {
         /// The constraint.
@@ -183,6 +190,11 @@ impl fmt::Display for LinearError {
                 if *iterations == 1 { "" } else { "s" },
                 Pairs(point),
                 Forces(residual)
+            ),
+            LinearError::NotSampled => f.write_str("no event happens `every` so often, so that no loop is sampled"),
+            LinearError::TooManyTicks { most } => write!(
+                f,
+                "it takes more than {most} ticks until all clocks come together again, if they ever do; give periods whose quotients are those of small whole numbers"
             ),
             LinearError::HasStates => f.write_str(
                 "the mechanism has states of first order, which M, C and K do not hold: `modes` prints A, and `linearise_states` gives it",

@@ -10,6 +10,8 @@ use super::not_found::Listed;
 pub enum NoOrbit {
     /// The mechanism has states of first order, of which closing motions and their multipliers are not known yet.
     States,
+    /// The mechanism holds values that events set, of which closing motions and their multipliers are not known yet.
+    Memory,
     /// What the search comes to is an equilibrium, which repeats itself after any time.
     Rest,
     /// The motion comes near to none of its states again, so that there is no period to begin with.
@@ -102,6 +104,10 @@ pub enum NoOrbit {
 impl fmt::Display for NoOrbit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            NoOrbit::Memory => f.write_str(
+                "the mechanism holds values that events set, of which closing motions and their multipliers are not known yet; `modes --sampled` \
+                 tells the stability of a loop that is sampled",
+            ),
             NoOrbit::States => f.write_str(
                 "the mechanism has states of first order, of which closing motions and their multipliers are not known yet; `simulate` until it \
                  repeats itself, with an event that records",

@@ -12,6 +12,8 @@ pub enum NoSlopes {
     Unknown,
     /// The accelerations come from something else than Lagrange's equations with multipliers.
     Accelerations,
+    /// Events set held values or states, or happen at ticks.
+    Memory,
     /// The start meets equations beside constraints.
     StartConditions,
     /// A constraint that the start cannot meet any more when it changes, since all that might make up for it is held.
@@ -66,6 +68,9 @@ impl fmt::Display for NoSlopes {
         f.write_str("the motion has no slopes: ")?;
         match self {
             NoSlopes::Unknown => f.write_str("the mechanism does not tell those of its functions"),
+            NoSlopes::Memory => f.write_str(
+                "events set values that are held, or happen at ticks, whose slopes are not known yet; two runs with --set tell a difference",
+            ),
             NoSlopes::Accelerations => f.write_str(
                 "its accelerations come from balances, or something else than multipliers enforces its constraints",
             ),

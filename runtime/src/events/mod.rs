@@ -7,7 +7,8 @@
 //! 4. At a discontinuity the modes are chosen anew: look in `modes.rs`; what inputs that turn sharply do to the speeds:
 //!    in `impulse.rs`.
 //! 5. Discontinuities of time are known beforehand: look in `stops.rs`; on which sides of them a motion begins: in
-//!    `sides.rs`; those of inputs that are closures are scanned for: in `signals.rs`.
+//!    `sides.rs`; those of inputs that are closures are scanned for: in `signals.rs`; ticks of clocks: in
+//!    `ticks.rs`.
 
 use crate::mechanism::System;
 
@@ -28,6 +29,7 @@ mod signals;
 mod stops;
 #[cfg(test)]
 mod tests;
+mod ticks;
 
 #[cfg(feature = "ensemble")]
 pub(crate) use features::{excludes_feature, ratio as calm_ratio};
@@ -40,6 +42,7 @@ pub(crate) use root::{Around, locate};
 pub(crate) use scan::Crossing;
 pub(crate) use sides::begin_at;
 pub(crate) use signals::WIDTH as CLOSURE_WIDTH;
+pub(crate) use ticks::Ticks;
 
 /// Where events are noted.
 pub(crate) trait Log {

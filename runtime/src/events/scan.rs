@@ -168,6 +168,11 @@ impl Scanner {
         self.ignored[event] = true;
     }
 
+    /// Whether a function is never looked at.
+    pub fn is_ignored(&self, function: usize) -> bool {
+        self.ignored[function]
+    }
+
     /// Whether a function is looked at.
     pub fn awake(&self, function: usize) -> bool {
         !self.asleep[function]

@@ -97,6 +97,11 @@ impl Tolerance {
         tolerance
     }
 
+    /// The least and the largest value of each component so far.
+    pub fn seen(&self) -> [Vec<f64>; 2] {
+        [self.low.clone(), self.high.clone()]
+    }
+
     /// Counts no error below these, of [q; q'].
     pub fn at_least(mut self, floors: &[f64]) -> Self {
         self.start_up_errors.copy_from_slice(floors);

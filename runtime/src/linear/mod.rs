@@ -12,7 +12,8 @@
 //! 6. With constraints: at rest and in steady motion in independent coordinates ([`linearise_constrained`]), with what drives and answers
 //!    ([`Constrained::observe`]), otherwise on the states that the constraints leave (`linearise_tangent`): look in
 //!    `constrained/`.
-//!    With states of first order the rest and x' = A x are found together (`linearise_states`): look in `equilibrium/state_space.rs`.
+//!    With states of first order the rest and x' = A x are found together (`linearise_states`): look in `equilibrium/state_space.rs`;
+//!    with values that ticks set the loop's map over a period (`linearise_sampled`): in `equilibrium/sampled.rs`.
 //! 7. Decompositions, scaling and ranks: look in `matrices/`.
 //!
 //! Matrices stay sparse until an eigenproblem or a factorization needs them dense, on the heap.
@@ -52,7 +53,7 @@ pub use equilibrium::{
     state_matrix,
 };
 #[cfg(feature = "modal")]
-pub use equilibrium::{StateSpace, linearise_states};
+pub use equilibrium::{SampledLoop, StateSpace, linearise_sampled, linearise_states};
 pub use forced::{
     Drive, Harmonic, Measured, Motion, Observed, Response, Source, Steady, beat, bode, measure, observe, solvemode,
     solvenorm, solvenum,

@@ -272,6 +272,8 @@ pub enum Action {
         /// The place of the coefficient of restitution in `System::restitutions`.
         restitution: u32,
     },
+    /// Sets held values, or states of first order: the place among [`Sampling::sets`](super::Sampling::sets).
+    Set(u32),
 }
 
 /// A discontinuity of the equations of motion: `sign`, `abs`, `step`, `min` or `max` of something.

@@ -5,8 +5,8 @@ use super::dual::{Dual, moving, replaced_input, rounded, seed, still};
 use super::phased::{Phased, RowHistory, sprung};
 use super::system::Replaced;
 use super::{
-    Along, At, Description, Energy, Enforcement, Function, Gimbal, Mechanism, Motion, MotionNumbers, Scene, Series,
-    Signal, Singular, System, Values,
+    Along, At, Description, Energy, Enforcement, Function, Gimbal, Mechanism, Motion, MotionNumbers, Sampling, Scene,
+    Series, Signal, Singular, System, Values,
 };
 
 /// A mechanism of static size as a [`System`], with its block of constants at hand.
@@ -85,7 +85,11 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> Dynamic<M, N,
     }
 
     fn first_phase(&self) -> usize {
-        self.constants.as_ref().len() - M::PHASES
+        self.first_memory() - M::PHASES
+    }
+
+    fn first_memory(&self) -> usize {
+        self.constants.as_ref().len() - M::MEMORY
     }
 
     /// The accelerations and multipliers of a state, where they are needed and not given; NaN where there are none.
@@ -159,6 +163,10 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> DualState<M, 
                 still(&system.constants.as_ref()[first..], &mut constants.as_mut()[first..]);
             }
         }
+        if let Some(held) = along.memory {
+            let held = &mut constants.as_mut()[system.first_memory() + held];
+            *held = Dual::moving(held.value, 1.0);
+        }
         let mut inputs = M::inputs(&constants, time);
         for (signal, slot) in system.signals.iter().zip(inputs.as_mut().chunks_exact_mut(3)) {
             if let Some(signal) = signal {
@@ -192,6 +200,7 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> DualState<M, 
             }
             Function::Constraints => M::constraints(c, *t, u, q, v, values),
             Function::Events => M::events(c, *t, u, q, v, a, l, values),
+            Function::Assignments => M::assignments(c, *t, u, q, v, a, l, values),
             Function::Switches => M::switches(c, *t, u, q, v, a, l, values),
             Function::Outputs => M::outputs(c, *t, u, q, v, a, l, values),
             Function::Energies => values.copy_from_slice(&M::energy(c, *t, u, q, v, a, l)),
@@ -224,6 +233,33 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
     fn motion_numbers(&self, motion: usize) -> MotionNumbers {
         let numbers = M::motion_numbers(&self.mechanism.parameters(), motion);
         M::motions().get(motion).map_or_else(MotionNumbers::default, |motion| MotionNumbers::new(motion, &numbers))
+    }
+
+    fn sampling(&self) -> &Sampling {
+        M::sampling()
+    }
+
+    fn memory(&self) -> &[f64] {
+        &self.constants.as_ref()[self.first_memory()..]
+    }
+
+    fn set_memory(&mut self, values: &[f64]) {
+        let first = self.first_memory();
+        self.constants.as_mut()[first..].copy_from_slice(values);
+    }
+
+    fn assignments(&self, at: At<'_>, values: &mut [f64]) {
+        let u = self.input_block(at.t);
+        let (a, lambda) = self.completed(at, M::sampling().sets_use_accelerations);
+        M::assignments(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &a, &lambda, values);
+    }
+
+    fn scene_memory(&self, scene: usize) -> Vec<f64> {
+        M::scene_memory(&self.mechanism.parameters(), scene)
+    }
+
+    fn clocks(&self) -> Vec<[f64; 2]> {
+        M::clock_numbers(&self.mechanism.parameters()).chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect()
     }
 
     fn gimbals(&self) -> &[Gimbal] {
@@ -336,7 +372,8 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
         if phase < M::description().phases.len() {
             self.phased.phase = phase;
             let first = self.first_phase();
-            super::phased::indicate(&mut self.constants.as_mut()[first..], phase);
+            let end = self.first_memory();
+            super::phased::indicate(&mut self.constants.as_mut()[first..end], phase);
         }
     }
 

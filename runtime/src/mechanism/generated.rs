@@ -1,6 +1,7 @@
 //! The trait that `model!` implements.
 
-use super::{Description, Energy, Gimbal, Motion, Real, Scene, Series, SingularMass};
+use super::sampling::NOTHING;
+use super::{Description, Energy, Gimbal, Motion, Real, Sampling, Scene, Series, SingularMass};
 
 /// A block of scalars of a size that only generated code knows: an array `[S; K]`.
 #[doc(hidden)]
@@ -19,7 +20,7 @@ impl<S: Copy + Send + Sync, const K: usize> Values<S> for [S; K] {
 ///
 /// Every numerical function is generic over [`Real`].  `c` is the block of [`Mechanism::constants`]:
 /// parameters, derived parameters, products that depend on nothing else, and at its end the modes of
-/// the switches.  `u` are the inputs with their first and second derivatives, three numbers each.
+/// the switches, indicators of phases and held values.  `u` are the inputs with their first and second derivatives, three numbers each.
 /// Functions that nobody calls cost nothing.  Shapes, units and signs are those of
 /// [`System`](super::System).
 #[expect(clippy::too_many_arguments, reason = "a state with its multipliers, part by part")]
@@ -34,12 +35,41 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
     const MODES: usize;
     /// How many indicators of phases follow them.
     const PHASES: usize;
+    /// How many held values follow these.
+    const MEMORY: usize = 0;
 
     /// Names, shapes and structure.
     fn description() -> &'static Description;
     /// Sequences of three angles that can lock.
     fn gimbals() -> &'static [Gimbal] {
         &[]
+    }
+    /// What is held, set and sampled.
+    fn sampling() -> &'static Sampling {
+        &NOTHING
+    }
+    /// Values of all that events set, set by set.
+    fn assignments<S: Real>(
+        c: &Self::Constants<S>,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        a: &[S; N],
+        l: &[S; C],
+        values: &mut [S],
+    ) {
+        let _ = (c, t, u, q, v, a, l, values);
+    }
+    /// Held values where a scene starts, of any numbers as parameters.
+    fn scene_memory<S: Real>(parameters: &[S], scene: usize) -> Vec<S> {
+        let _ = (parameters, scene);
+        Vec::new()
+    }
+    /// Pairs (first tick, period) of the clocks, s, of any numbers as parameters.
+    fn clock_numbers<S: Real>(parameters: &[S]) -> Vec<S> {
+        let _ = parameters;
+        Vec::new()
     }
     /// Motions that the file asks for.
     fn motions() -> &'static [Motion] {

@@ -1,6 +1,9 @@
 //! The object-safe face of a mechanism, on slices: everything downstream is written once over it.
 
-use super::{At, Description, Energy, Enforcement, Gimbal, Motion, MotionNumbers, RowHistory, Scene, Series, Singular};
+use super::sampling::NOTHING;
+use super::{
+    At, Description, Energy, Enforcement, Gimbal, Motion, MotionNumbers, RowHistory, Sampling, Scene, Series, Singular,
+};
 
 /// A mechanism with its parameters, behind slices.
 ///
@@ -23,6 +26,37 @@ pub trait System: Send + Sync {
     /// Sequences of three angles that can lock.
     fn gimbals(&self) -> &[Gimbal] {
         &[]
+    }
+
+    /// What is held between events, what sets it, and when.
+    fn sampling(&self) -> &Sampling {
+        &NOTHING
+    }
+
+    /// The held values, in the order of `sampling().memory`.
+    fn memory(&self) -> &[f64] {
+        &[]
+    }
+
+    /// Holds other values from now on.
+    fn set_memory(&mut self, values: &[f64]) {
+        let _ = values;
+    }
+
+    /// Values of all that events set, in the order of `sampling().sets`, at a state with its own accelerations and multipliers.
+    fn assignments(&self, at: At<'_>, values: &mut [f64]) {
+        let _ = (at, values);
+    }
+
+    /// What is held where a scene starts, with the present parameters.
+    fn scene_memory(&self, scene: usize) -> Vec<f64> {
+        let _ = scene;
+        Vec::new()
+    }
+
+    /// The first tick and the period of each clock, s, with the present parameters.
+    fn clocks(&self) -> Vec<[f64; 2]> {
+        Vec::new()
     }
 
     /// Motions that the file asks for.  The scene of each, which `scene`, `scene_parameters` and [`Function::Scene`] tell, comes after those
@@ -411,6 +445,8 @@ pub enum Function {
     Energies,
     /// Pairs (value, sum of the absolute terms) of the invariants.
     Invariants,
+    /// Values of all that events set.
+    Assignments,
     /// The coefficients of restitution.
     Restitutions,
     /// A scene's end, tolerance and spacing of reports, then its start [q; q']: 3 + 2 n numbers, which depend on parameters only.
@@ -432,6 +468,8 @@ pub struct Along<'a> {
     pub lambda: &'a [f64],
     /// The free parameter that changes, with slope 1.
     pub parameter: Option<usize>,
+    /// The held value that changes, with slope 1.
+    pub memory: Option<usize>,
 }
 
 /// What stands for an input's function of time in the file.

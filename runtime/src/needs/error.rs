@@ -34,6 +34,8 @@ pub enum NeedsError {
     },
     /// The model has states of first order, which no smaller model that is tried keeps.
     States,
+    /// The model holds values, or samples, which no smaller model that is tried keeps.
+    Memory,
     /// The full model's run fails.
     Fails {
         /// Why.
@@ -63,6 +65,9 @@ impl fmt::Display for NeedsError {
             NeedsError::States => f.write_str(
                 "the model has states of first order, which `needs` does not leave out, hold or follow yet; `--slopes` of `simulate` tells how an \
                  output changes with each parameter",
+            ),
+            NeedsError::Memory => f.write_str(
+                "the model holds values that events set, which `needs` does not leave out yet; `simulate --set` runs it with other parameters",
             ),
             NeedsError::BadNeed { within } => {
                 write!(

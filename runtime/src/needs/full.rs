@@ -85,6 +85,9 @@ impl Full {
         if !program.model.states.is_empty() {
             return Err(NeedsError::States);
         }
+        if !program.model.memory.is_empty() || !program.model.clocks.is_empty() {
+            return Err(NeedsError::Memory);
+        }
         let places = places(&program);
         let mut need = need;
         let everything = need.outputs.is_empty() && need.absolute.is_empty();
@@ -363,7 +366,7 @@ pub(super) fn set(
     for (index, value) in system.scene_parameters(place) {
         system.set_parameter(index, value);
     }
-    let settings = Settings::new(&system.scene(place));
+    let settings = Settings::of_scene(&system, place);
     Ok((Box::new(system), settings))
 }
 

@@ -182,6 +182,9 @@ impl OrbitSearch {
         if system.description().has_states() {
             return Err(NoOrbit::States.into());
         }
+        if !system.sampling().is_empty() {
+            return Err(NoOrbit::Memory.into());
+        }
         if !origin.tolerance {
             settings.tolerance = settings.tolerance.min(TOLERANCE);
         }

@@ -120,6 +120,8 @@ fn prepared(candidate: &Candidate, model: &Interpreted) -> Result<Interpreted, D
     let mut model = model.clone();
     parameters.into_iter().enumerate().for_each(|(index, value)| model.set_parameter(index, value));
     model.set_phase(candidate.settings.phase);
+    let memory = candidate.settings.memory.clone().unwrap_or_else(|| model.scene_memory(0));
+    model.set_memory(&memory);
     Ok(model)
 }
 

@@ -18,6 +18,7 @@ pub(crate) struct Continuous<'a> {
     step: Option<usize>,
     phases: usize,
     modes: usize,
+    memory: usize,
     /// [q; q'; outputs].
     row: Vec<f64>,
     accelerations: Vec<f64>,
@@ -33,8 +34,9 @@ impl<'a> Continuous<'a> {
         let projection = Projection::new(&*system).filter(|_| run.scenery.projects);
         let steps = run.trajectory.steps();
         let (row, accelerations) = (vec![0.0; all.len()], vec![0.0; system.len()]);
-        let (step, phases, modes) = (None, 0, 0);
-        let found = Continuous { run, system, projection, steps, columns, step, phases, modes, row, accelerations };
+        let (step, phases, modes, memory) = (None, 0, 0, 0);
+        let found =
+            Continuous { run, system, projection, steps, columns, step, phases, modes, memory, row, accelerations };
         (!found.steps.is_empty()).then_some(found)
     }
 
@@ -87,10 +89,16 @@ impl<'a> Continuous<'a> {
             return;
         }
         if self.step.is_none_or(|known| known > step) {
-            (self.phases, self.modes) = (0, 0);
+            (self.phases, self.modes, self.memory) = (0, 0, 0);
         }
         let start = self.steps[step][0];
         let (phases, modes) = (&self.run.phases[self.phases..], &self.run.scenery.modes[self.modes..]);
+        let held = &self.run.scenery.memory[self.memory..];
+        let assigned = held.iter().take_while(|(from, _)| *from <= start).count();
+        if let Some((_, memory)) = held[..assigned].last() {
+            self.system.set_memory(memory);
+        }
+        self.memory += assigned;
         let entered = phases.iter().take_while(|(from, _)| *from <= start).count();
         let switched = modes.iter().take_while(|(from, _)| *from <= start).count();
         if let Some((_, phase)) = phases[..entered].last() {

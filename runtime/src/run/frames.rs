@@ -22,6 +22,8 @@ pub(crate) struct Scenery {
     until: f64,
     /// Modes of the switches, from which time on.
     pub modes: Vec<(f64, Vec<f64>)>,
+    /// Held values, from which time on.
+    pub memory: Vec<(f64, Vec<f64>)>,
     /// Whether states between the ends of steps are brought back to the constraints.
     pub projects: bool,
     /// Frames that were drawn before the mechanism was changed by hand.
@@ -40,6 +42,13 @@ impl Scenery {
     pub fn modes(&mut self, t: f64, modes: &[f64]) {
         if !modes.is_empty() && self.modes.last().is_none_or(|(_, last)| last != modes) {
             self.modes.push((t, modes.to_vec()));
+        }
+    }
+
+    /// Notes what is held from t on.
+    pub fn memory(&mut self, t: f64, memory: &[f64]) {
+        if !memory.is_empty() && self.memory.last().is_none_or(|(_, last)| last != memory) {
+            self.memory.push((t, memory.to_vec()));
         }
     }
 
@@ -83,11 +92,14 @@ impl Scenery {
         let regular = (first..).map(|k| start + spacing * f64::from(k)).take(most);
         let inside = regular.take_while(|t| *t < end - 1e-6 * spacing).filter(|t| *t > last);
         let mut y = vec![0.0; 2 * n];
-        let mut modes = self.modes.iter().peekable();
+        let (mut modes, mut memory) = (self.modes.iter().peekable(), self.memory.iter().peekable());
         let mut frames = Vec::new();
         for t in inside.chain((ends && end > last).then_some(end)) {
             while let Some((_, now)) = modes.next_if(|(from, _)| *from <= t) {
                 system.set_modes(now);
+            }
+            while let Some((_, now)) = memory.next_if(|(from, _)| *from <= t) {
+                system.set_memory(now);
             }
             if trajectory.evaluate(t, &mut y) {
                 let mut numbers = vec![f64::NAN; size];

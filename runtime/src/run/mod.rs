@@ -47,7 +47,7 @@ pub(crate) use trajectory::Trajectory;
 pub use trust::Trust;
 
 pub use crate::events::Impulse;
-use crate::mechanism::{Description, HIDDEN, Method};
+use crate::mechanism::{Description, HIDDEN, Method, Sampling, Trigger};
 use crate::trust::{Conditioning, Drift, Warning};
 
 /// A motion that was computed, and what tells how far it can be trusted.
@@ -85,6 +85,13 @@ pub struct Run {
     pub parts: Vec<RunPart>,
     /// How many digits of its numbers hold; `None` if the run was not told to estimate them, or could not.
     pub digits: Option<Digits>,
+    /// What is held at the end, in the order of [`Sampling::memory`](crate::mechanism::Sampling::memory).
+    pub(crate) memory: Vec<f64>,
+    /// The numbers of the next ticks of all clocks.
+    pub(crate) ticks: Vec<u64>,
+    /// The length of the next step, s, and the least and largest values of [q; q'] so far; `None` at a fixed step.
+    pub(crate) resumed: Option<(f64, [Vec<f64>; 2])>,
+    pub(crate) sampling: Arc<Sampling>,
     /// Time it took, s.
     pub seconds: f64,
     /// The largest eigenvalue of the system linearised at the start, 1/s; 0 where it is not known.
@@ -196,6 +203,22 @@ impl Run {
             outputs: self.outputs[m * index..][..m].to_vec(),
             names: self.names.clone(),
         }
+    }
+
+    /// A held value at the end, by its name in the file.
+    pub fn memory(&self, name: &str) -> Option<f64> {
+        self.memory.get(self.sampling.place_of(name)?).copied()
+    }
+
+    /// How many ticks each event has had that happens `every` so often, by its name; those before the run where it goes on from another one.
+    pub fn ticks(&self) -> impl Iterator<Item = (&str, u64)> {
+        let clock = |(event, trigger): (usize, &Trigger)| match trigger {
+            Trigger::Tick(clock) => {
+                Some((self.description.events.get(event)?.name.as_ref(), *self.ticks.get(*clock as usize)?))
+            }
+            _ => None,
+        };
+        self.sampling.triggers.iter().enumerate().filter_map(clock)
     }
 
     /// By which methods: one, or those of the parts that were run apart.

@@ -133,6 +133,10 @@ impl Recorder {
             warnings: Vec::new(),
             digits: None,
             parts: Vec::new(),
+            memory: Vec::new(),
+            ticks: Vec::new(),
+            resumed: None,
+            sampling: Arc::new(system.sampling().clone()),
             seconds: 0.0,
             fastest: 0.0,
             ended_by: None,
@@ -280,6 +284,7 @@ impl Recorder {
         if self.keep_dense {
             self.run.trajectory.begin(t, start.y, start.rate);
             self.run.scenery.modes(t, system.modes());
+            self.run.scenery.memory(t, system.memory());
         }
     }
 
@@ -451,6 +456,11 @@ impl Recorder {
         });
     }
 
+    /// Notes the numbers of the next ticks, and what a run that goes on is to know.
+    pub fn ticked(&mut self, next: Vec<u64>, resumed: Option<(f64, [Vec<f64>; 2])>) {
+        (self.run.ticks, self.run.resumed) = (next, resumed);
+    }
+
     /// Ends the run at this state.
     pub fn finish(mut self, system: &dyn System, t: f64, end: Endpoint<'_>, work: Work, seconds: f64) -> Run {
         self.report(system, t, end.y);
@@ -472,6 +482,7 @@ impl Recorder {
         }
         self.run.balances = self.condition.map(ConditionMonitor::found);
         self.run.junctions = self.junctions.map(|junctions| junctions.list).unwrap_or_default();
+        self.run.memory = system.memory().to_vec();
         self.run.work = work;
         self.run.seconds = seconds;
         self.run

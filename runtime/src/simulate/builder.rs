@@ -42,7 +42,8 @@ impl<S: System> Simulation<S> {
     /// A run of the first scene.
     pub fn new(mut system: S) -> Self {
         let given = system.parameters();
-        let settings = Settings::new(&set_scene(&mut system, &given, 0));
+        set_scene(&mut system, &given, 0);
+        let settings = Settings::of_scene(&system, 0);
         let origin = Origin { scene: Some(0), given: vec![false; 2 * system.len()], tolerance: false };
         Simulation { system, given, settings, origin, wrong: None }
     }
@@ -53,6 +54,7 @@ impl<S: System> Simulation<S> {
         match scenes.iter().position(|scene| scene == name) {
             Some(index) => {
                 let scene = set_scene(&mut self.system, &self.given, index);
+                self.settings.memory = Some(self.system.scene_memory(index));
                 let origin = Origin {
                     scene: Some(index),
                     given: vec![false; 2 * self.system.len()],
@@ -76,6 +78,7 @@ impl<S: System> Simulation<S> {
         };
         let index = self.system.description().scenes.len() + motion;
         let scene = set_scene(&mut self.system, &self.given, index);
+        self.settings.memory = Some(self.system.scene_memory(index));
         let origin =
             Origin { scene: Some(index), given: vec![false; 2 * self.system.len()], tolerance: self.origin.tolerance };
         Ok((Simulation { origin, ..self.from(&scene) }, motion))
@@ -112,8 +115,13 @@ impl<S: System> Simulation<S> {
         self
     }
 
-    /// One coordinate, one rate (`theta'`) or one state of first order at the start, SI.
+    /// One coordinate, one rate (`theta'`), one state of first order or one held value at the start, SI.
     pub fn starting(mut self, name: &str, value: f64) -> Self {
+        if let Some(place) = self.system.sampling().place_of(name) {
+            let memory = self.settings.memory.get_or_insert_with(|| self.system.scene_memory(0));
+            memory.get_mut(place).into_iter().for_each(|held| *held = value);
+            return self;
+        }
         let Settings { q, v, held_q, held_v, .. } = &mut self.settings;
         let (description, n) = (self.system.description(), self.system.len());
         let place = description.place_of(name);

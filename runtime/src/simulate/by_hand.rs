@@ -156,6 +156,30 @@ impl<S: System> Stepping<S> {
         Ok(())
     }
 
+    /// A held value, SI, by its name in the file; `None` if nothing of this name is held.
+    pub fn memory(&self, name: &str) -> Option<f64> {
+        self.system.memory().get(self.system.sampling().place_of(name)?).copied()
+    }
+
+    /// Holds another value, SI, from now on; the integration begins anew.
+    ///
+    /// # Errors
+    /// [`Error::UnknownName`]; [`Error::BadSetting`] for what is no number.
+    pub fn set_memory(&mut self, name: &str, value: f64) -> Result<(), Error> {
+        let sampling = self.system.sampling();
+        let Some(place) = sampling.place_of(name) else {
+            let known = sampling.memory.iter().map(|held| held.name.to_string()).collect();
+            return Err(Error::UnknownName { kind: "held value", name: name.to_owned(), known });
+        };
+        if !value.is_finite() {
+            return Err(Error::BadSetting { setting: "memory", value, expected: "a number" });
+        }
+        let mut memory = self.system.memory().to_vec();
+        memory[place] = value;
+        self.system_mut().set_memory(&memory);
+        Ok(())
+    }
+
     /// The present state, to be changed; the integration begins anew from there.
     pub fn state_mut(&mut self) -> StateMut<'_> {
         self.changed = true;

@@ -29,6 +29,7 @@ pub(crate) use builder::{Described, Origin};
 pub(crate) use builder::{LAGRANGE, derivation};
 pub use by_hand::{StateMut, Stepping};
 pub(crate) use comparison::estimate_global_error;
+pub(crate) use settings::Resumed;
 pub use settings::Settings;
 pub use typed::Simulate;
 
@@ -36,7 +37,7 @@ use crate::cause::Cause;
 use crate::constrain::{self, Elsewhere, consistent, other_branch};
 use crate::driver::{Integration, StepPolicy};
 use crate::error::{Error, NoSeries};
-use crate::events::begin_at;
+use crate::events::{Ticks, begin_at};
 use crate::integrate::Tolerance;
 use crate::mechanism::{Enforcement, Method, RowHistory, Stabilisation, System};
 use crate::run::{Failure, Plan, Recorder, Run};
@@ -132,10 +133,21 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
     if let Some(reason) = no_series(system, settings).filter(|_| settings.method == Method::Taylor) {
         return Err(Error::NoSeries { reason });
     }
+    let wrong = |[from, every]: &[f64; 2]| !(from.is_finite() && *every > 0.0 && every.is_finite());
+    if let Some([_, every]) = system.clocks().into_iter().find(wrong) {
+        return Err(Error::BadSetting { setting: "every", value: every, expected: "a positive period of an event" });
+    }
+    let held = settings.memory.as_ref().map_or(0, Vec::len);
+    if settings.memory.is_some() && held != system.memory().len() {
+        let (setting, expected) = ("memory", system.memory().len());
+        return Err(Error::WrongLength { setting, given: held, expected });
+    }
     let dampers = matches!(settings.enforcement, Enforcement::Springs { damping, .. } if damping > 0.0);
     let work = settings.watch && (dampers || !system.description().structure.conservative);
     let guess = [settings.q.as_slice(), settings.v.as_slice()].concat();
     system.set_phase(settings.phase);
+    let memory = settings.memory.clone().unwrap_or_else(|| system.scene_memory(0));
+    system.set_memory(&memory);
     if let Some(history) = system.row_history_mut() {
         *history = RowHistory::default();
     }
@@ -170,6 +182,7 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
         .decorrelate_steps(settings.decorrelate_steps)
         .following(settings.followed.clone())
         .ending_after(settings.ends_after)
+        .ticking(Ticks::new(system, settings.from, settings.ticks.as_deref()))
         .ignoring(settings.ignored_events.clone())
         .projecting(settings.projects());
     if settings.stabilisation == (Stabilisation::Baumgarte { alpha: None }) && settings.step.is_none() {
@@ -181,6 +194,9 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
         .and(settings.attainable())
         .and_then(|()| positive_inertia(system, settings.from, &y))
         .and_then(|()| constrain::possible_restitutions(system, &settings.ignored_events));
+    if let (Some(resumed), Ok(())) = (&settings.resumed, &outcome) {
+        integration.resume(resumed.step, &resumed.seen);
+    }
     let step = match &outcome {
         Ok(()) if finds_step && settings.until > settings.from => {
             Some(integration.find_step(system, method, &units, longest))
@@ -221,6 +237,7 @@ fn finish(system: &dyn System, integration: &Integration, mut recorder: Recorder
     integration.warnings(system).into_iter().for_each(|warning| recorder.warn(warning));
     recorder.constrained(integration.residuals());
     recorder.swept(integration.swept());
+    recorder.ticked(integration.next_ticks(), integration.resumed());
     recorder.finish(system, integration.time(), integration.state(), integration.work(), clock.elapsed().as_secs_f64())
 }
 

@@ -6,7 +6,7 @@ use crate::cause::Cause;
 use crate::driver::Followed;
 use crate::error::{Error, Inseparable, Nonlinear};
 use crate::integrate::stability;
-use crate::mechanism::{Description, Enforcement, Method, Scene, Stabilisation};
+use crate::mechanism::{Description, Enforcement, Method, Scene, Stabilisation, System};
 use nalgebra::Complex;
 
 /// More numbers than this are not reported: they would fill the memory.
@@ -34,6 +34,12 @@ pub struct Settings {
     pub guessed: bool,
     /// The phase in which the run begins, by its place.
     pub phase: usize,
+    /// What is held where the run begins, in the order of [`Sampling::memory`](crate::mechanism::Sampling::memory); `None`: as in the
+    /// default scene.
+    pub memory: Option<Vec<f64>>,
+    /// The numbers of the next ticks of all clocks, for a run that goes on where another one ended; `None`: the first that are not before
+    /// the start.
+    pub ticks: Option<Vec<u64>>,
     /// Where the run begins, s; 0 unless said otherwise.
     pub from: f64,
     /// Where it ends, s.
@@ -83,6 +89,17 @@ pub struct Settings {
     pub(crate) junctions: bool,
     /// The event after which the run ends, in the state that it leaves.
     pub(crate) ends_after: Option<usize>,
+    /// What is known from the run that this one goes on.
+    pub(crate) resumed: Option<Resumed>,
+}
+
+/// What decides how steps are chosen, where a run ended.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Resumed {
+    /// The length of the next step, s.
+    pub step: f64,
+    /// The least and the largest value of each component of [q; q'] so far; what is not finite is not known.
+    pub seen: [Vec<f64>; 2],
 }
 
 impl Settings {
@@ -96,6 +113,8 @@ impl Settings {
             start_conditions: scene.start_conditions.clone(),
             guessed: scene.guessed,
             phase: scene.phase,
+            memory: None,
+            ticks: None,
             from: 0.0,
             until: scene.until,
             tolerance: scene.tolerance,
@@ -117,7 +136,13 @@ impl Settings {
             instants: Arc::from([]),
             junctions: false,
             ends_after: None,
+            resumed: None,
         }
+    }
+
+    /// The settings of a scene of a mechanism, with what is held where it starts.
+    pub fn of_scene<S: System + ?Sized>(system: &S, scene: usize) -> Self {
+        Settings { memory: Some(system.scene_memory(scene)), ..Settings::new(&system.scene(scene)) }
     }
 
     /// Tolerances below this one, about 100 unit round-offs, are raised to it, with a warning.

@@ -121,6 +121,9 @@ pub(crate) fn run_with_slopes(
 }
 
 fn may_be_varied(system: &dyn System, settings: &Settings) -> Result<(), NoSlopes> {
+    if !system.sampling().is_empty() {
+        return Err(NoSlopes::Memory);
+    }
     let mut numbers = vec![0.0; system.len()];
     let zero = vec![0.0; system.len()];
     let multipliers = vec![0.0; system.description().rows.len()];

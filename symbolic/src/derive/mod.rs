@@ -28,10 +28,10 @@ mod weights;
 
 use std::collections::BTreeMap;
 
-use crate::diagnose::catalogue::{mechanics, sections};
+use crate::diagnose::catalogue::{mechanics, memory, sections};
 use crate::diagnose::{Place, Problem};
 use crate::expr::{Forward, Graph, Id, Node, Symbol, Table, Unary, canonical_sums, vectors};
-use crate::model::{Load, Model, Rotation, Work};
+use crate::model::{Input, Load, Model, Rotation, Work};
 
 pub(crate) use constraints::held_rates;
 pub use constraints::{Rows, RowsAgain};
@@ -132,6 +132,10 @@ pub fn derive(mut model: Model) -> Result<Derivation, Vec<Problem>> {
     let rough = rough_tables(&model, &equations, &rows, &signals);
     if !rough.is_empty() {
         return Err(rough);
+    }
+    let moved = moved_by_memory(&model, &equations, &rows, &signals);
+    if !moved.is_empty() {
+        return Err(moved);
     }
     let named_reactions = reactions::put_in(&mut model);
     Ok(Derivation { model, equations, rows, momentum, named_reactions, energies, momenta, signals, switches })
@@ -272,6 +276,29 @@ impl Dynamics {
             switches,
         }
     }
+}
+
+/// Inputs that contain held values, and whose place or rate bodies follow.
+fn moved_by_memory(model: &Model, equations: &[Equations], rows: &Rows, signals: &[[Id; 3]]) -> Vec<Problem> {
+    if model.memory.is_empty() {
+        return Vec::new();
+    }
+    let graph = &model.graph;
+    let forces = graph.symbols(equations.iter().flat_map(|derivation| derivation.residual.iter().copied()));
+    let held_places = graph.symbols(rows.matrix.iter().map(|entry| entry.2).chain(rows.bias.iter().copied()));
+    let moves = |k: usize| {
+        let of = |s: &Symbol, least: u8| matches!(s, Symbol::Input(of, order) if *of as usize == k && *order >= least);
+        forces.iter().any(|s| of(s, 1)) || held_places.iter().any(|s| of(s, 0))
+    };
+    let held = |k: usize| {
+        let symbols = graph.symbols([signals[k][0]]);
+        symbols.into_iter().find_map(|s| if let Symbol::Memory(j) = s { model.memory.get(j as usize) } else { None })
+    };
+    let place = |name: &str| Place::default().key("inputs").key(name.split('[').next().unwrap_or_default());
+    let problem = |(k, input): (usize, &Input)| {
+        held(k).filter(|_| moves(k)).map(|held| memory::input_jumps(place(&input.name), &input.name, &held.name))
+    };
+    model.inputs.iter().enumerate().filter_map(problem).collect()
 }
 
 /// Tables of which derivatives that jump enter the equations of motion.

@@ -7,7 +7,7 @@ use super::weights::{typical, weights};
 use crate::expr::{Angles, Graph, Id, Node, Symbol, Unary, expand, jacobian};
 use crate::model::{BalanceSystem, Model};
 
-/// Puts reactions, by name, into what observes: outputs, events and checks.  Tells which components of outputs,
+/// Puts reactions, by name, into what observes: outputs, events and what these set, and checks.  Tells which components of outputs,
 /// by place, were a component of a reaction as it stands.
 pub(crate) fn put_in(model: &mut Model) -> Vec<(usize, Symbol)> {
     let components = model.outputs.iter().flat_map(|output| &output.value).enumerate();
@@ -41,6 +41,9 @@ pub(crate) fn put_in(model: &mut Model) -> Vec<(usize, Symbol)> {
         if let Some(condition) = &mut event.condition {
             put(std::slice::from_mut(condition));
         }
+    }
+    for (_, value) in model.sets.iter_mut().flat_map(|set| &mut set.values) {
+        put(std::slice::from_mut(value));
     }
     for check in &mut model.checks {
         put(&mut check.left);
@@ -110,12 +113,13 @@ impl Named {
     }
 }
 
-/// The reactions that outputs, events and checks contain.
+/// The reactions that outputs, events, what these set and checks contain.
 fn wanted(model: &Model) -> Vec<Symbol> {
     let outputs = model.outputs.iter().flat_map(|output| output.value.iter().copied());
     let events = model.events.iter().flat_map(|event| [Some(event.when), event.condition]).flatten();
     let checks = model.checks.iter().flat_map(|check| check.left.iter().chain(&check.right).copied());
-    let symbols = model.graph.symbols(outputs.chain(events).chain(checks));
+    let sets = model.sets.iter().flat_map(|set| set.values.iter().map(|(_, value)| *value));
+    let symbols = model.graph.symbols(outputs.chain(events).chain(checks).chain(sets));
     symbols.into_iter().filter(|s| matches!(s, Symbol::Reaction(_))).collect()
 }
 

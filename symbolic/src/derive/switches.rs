@@ -41,7 +41,9 @@ pub(crate) const SWITCH_LIMIT: usize = 1000;
 ///
 /// One switch beyond [`SWITCH_LIMIT`] it stops looking.
 pub(crate) fn introduce(graph: &mut Graph, roots: &[Id], signals: usize) -> (Vec<Id>, Vec<Switch>) {
-    let mut found = Found::default();
+    let of_memory = |root: &Id| graph.symbols([*root]).iter().any(|s| matches!(s, Symbol::Memory(_)));
+    let held_inputs = roots[roots.len() - signals..].iter().map(of_memory).collect();
+    let mut found = Found { held_inputs, ..Found::default() };
     let images = rewrite(graph, roots, |graph, node| {
         if let Node::Unary(Unary::Sqrt, base) | Node::Binary(Binary::Pow, base, _) = node {
             return one_sided(graph, node, base, &found.switches);
@@ -160,6 +162,8 @@ struct Found {
     switches: Vec<Switch>,
     places: HashMap<(SwitchKind, Id), usize>,
     contents: HashMap<Id, Contents>,
+    /// Which inputs contain held values.
+    held_inputs: Vec<bool>,
 }
 
 impl Found {
@@ -212,6 +216,11 @@ impl Found {
     fn of_symbol(&self, symbol: Symbol) -> Contents {
         match symbol {
             Symbol::Parameter(_) | Symbol::Dummy(_) => Contents { moves: false, time_only: true, of_input: false },
+            // Events alone change it: between them it stands still, and what stops a step is not known beforehand.
+            Symbol::Memory(_) => Contents { moves: false, time_only: false, of_input: false },
+            Symbol::Input(k, _) if self.held_inputs.get(k as usize) == Some(&true) => {
+                Contents { moves: true, time_only: false, of_input: true }
+            }
             Symbol::Time => Contents { moves: true, time_only: true, of_input: false },
             Symbol::Input(..) => Contents { moves: true, time_only: true, of_input: true },
             Symbol::Mode(k) => {

@@ -15,6 +15,8 @@ pub enum Symbol {
     State(u32),
     /// Its rate z'_j, which is what the model says.
     StateRate(u32),
+    /// A held value m_j: constant between the events that set it.
+    Memory(u32),
     /// An input u_k, or its derivative of the given order.
     Input(u32, u8),
     /// A free parameter, by its place among all expanded free parameters.

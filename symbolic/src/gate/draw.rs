@@ -15,6 +15,8 @@ struct Start {
     set: Vec<(usize, Id)>,
     /// Coordinates, speeds, end.
     tape: Tape,
+    /// Held values.
+    memory: Tape,
 }
 
 /// Lengths (angles, …) that matter, coordinate by coordinate.
@@ -49,7 +51,7 @@ impl<'a> Draws<'a> {
         let graph = &model.graph;
         let starts = model.scenes.iter().map(|scene| {
             let roots: Vec<Id> = scene.q.iter().chain(&scene.v).copied().chain([scene.until]).collect();
-            Start { set: scene.set.clone(), tape: Tape::new(graph, &roots) }
+            Start { set: scene.set.clone(), tape: Tape::new(graph, &roots), memory: Tape::new(graph, &scene.memory) }
         });
         let inertias: Vec<Id> =
             model.bodies.iter().flat_map(|b| std::iter::once(b.mass).chain(principal(b.rotation.as_ref()))).collect();
@@ -141,6 +143,7 @@ impl<'a> Draws<'a> {
         let parameters = self.parameters(scene, when);
         let start = self.start(scene, &parameters);
         let mut state = State::at_rest(parameters, n);
+        state.memory = self.memory(scene, &state, spread, large);
         for i in 0..n {
             let middle = if large { 0.0 } else { start.0[i] };
             let scale = self.scale(true, i);
@@ -155,6 +158,25 @@ impl<'a> Draws<'a> {
             }
         }
         (state, start)
+    }
+
+    /// Held values about those at a scene's start (or about 0): events may set them to anything.
+    fn memory(&mut self, scene: usize, state: &State, spread: f64, large: bool) -> Vec<f64> {
+        let start = &self.starts[scene % self.starts.len()].memory;
+        let starts: Vec<f64> = start.evaluate(|s| state.value(s).to_f64());
+        let mut drawn = Vec::with_capacity(starts.len());
+        for (j, start) in starts.into_iter().enumerate() {
+            let start = if start.is_finite() { start } else { 0.0 };
+            let unit = dimension(self.model.memory[j].unit.as_deref());
+            let alike = self.model.parameters.iter().zip(&state.parameters);
+            let alike = alike.filter(|(p, _)| unit.is_some() && dimension(p.unit.as_deref()) == unit);
+            let mut scales: Vec<f64> = alike.map(|(_, x)| x.abs()).chain([start.abs()]).collect();
+            distinct(&mut scales);
+            let scale = if scales.is_empty() { 1.0 } else { pick(&mut self.random, &scales) };
+            let middle = if large { 0.0 } else { start };
+            drawn.push(middle + scale * self.random.between(-spread, spread));
+        }
+        drawn
     }
 
     /// Whether a state is where the file says that the model is defined (`sample`).

@@ -1,4 +1,4 @@
-//! What impacts do: each happens where its constraint is zero, and changes some of what is conserved.
+//! What impacts, and what events set, do: each happens where its constraint is zero, and changes some of what is conserved.
 //!
 //! Both are asked with the parameters of the scenes: an impact takes no energy for one restitution, 1, only.
 
@@ -11,7 +11,7 @@ use crate::derive::Rows;
 use crate::diagnose::Problem;
 use crate::diagnose::catalogue::verdicts;
 use crate::expr::{Graph, Id, Measured, Symbol, Tape, jacobian};
-use crate::model::{Conserved, Event, EventAction, Model};
+use crate::model::{Conserved, Event, EventAction, Model, Target};
 use crate::number::DoubleDouble;
 
 /// A constraint is zero below this part of the largest value that it has at the states: what a coarse run and a small
@@ -160,6 +160,10 @@ pub(super) fn that_change(
     let changes = |event: &&Event| {
         phases(model, event).into_iter().filter(claimed).any(|phase| {
             event.actions.iter().any(|action| {
+                if let EventAction::Set(set) = action {
+                    let of_phase = states.iter().filter(|state| state.phase == phase);
+                    return of_phase.into_iter().any(|state| is_set(model, *set, state, &value));
+                }
                 let struck = rows_of(model, motion, phase, action);
                 let at = placed((model, &model.graph), rows, motion, (phase, &struck), states, &invariant.when);
                 !struck.is_empty() && at.iter().any(|state| is_changed(model, motion, (action, &struck), state, &value))
@@ -169,10 +173,33 @@ pub(super) fn that_change(
     model.events.iter().filter(changes).map(|event| event.name.clone()).collect()
 }
 
+/// Whether what an event sets changes what is claimed at a state.
+fn is_set(model: &Model, set: usize, state: &State, value: &Tape) -> bool {
+    let (targets, values): (Vec<Target>, Vec<Id>) = model.sets[set].values.iter().copied().unzip();
+    let mut after = state.clone();
+    for (target, value) in targets.iter().zip(Tape::new(&model.graph, &values).evaluate(|s| state.value(s))) {
+        match target {
+            Target::Memory(j) => after.memory[*j] = value.to_f64(),
+            Target::State(j) => after.v[model.mechanical() + j] = value,
+        }
+    }
+    differs(value, state, &after)
+}
+
+/// Whether what is claimed has another value in one state than in the other.
+fn differs(value: &Tape, before: &State, after: &State) -> bool {
+    let [before, after] = [before, after].map(|state| value.evaluate(|s| state.measured(s)));
+    let differs = |(x, y): (&Measured, &Measured)| {
+        let size = (x.value - y.value).abs().to_f64();
+        size.is_finite() && size > CHANGED * (x.magnitude + y.magnitude)
+    };
+    before.iter().zip(&after).any(differs)
+}
+
 /// The rows that an action makes push, beside those of its phase.
 fn rows_of(model: &Model, motion: &Motion, phase: usize, action: &EventAction) -> Vec<usize> {
     match action {
-        EventAction::Stop | EventAction::Record => Vec::new(),
+        EventAction::Stop | EventAction::Record | EventAction::Set(_) => Vec::new(),
         EventAction::Phase(next) => {
             let active = motion.constraints.active(phase);
             motion.constraints.active(*next).iter().filter(|row| !active.contains(row)).copied().collect()
@@ -212,10 +239,5 @@ fn is_changed(
     let Some(jump) = motion.velocity_jump(state, &changes) else { return false };
     let mut after = state.clone();
     after.v.iter_mut().zip(&jump).for_each(|(v, jump)| *v += jump.value);
-    let [before, after] = [state, &after].map(|state| value.evaluate(|s| state.measured(s)));
-    let differs = |(x, y): (&Measured, &Measured)| {
-        let size = (x.value - y.value).abs().to_f64();
-        size.is_finite() && size > CHANGED * (x.magnitude + y.magnitude)
-    };
-    before.iter().zip(&after).any(differs)
+    differs(value, state, &after)
 }

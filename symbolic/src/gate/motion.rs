@@ -13,6 +13,8 @@ pub(super) struct Motion {
     /// How many coordinates there are.
     pub n: usize,
     inputs: Vec<Tape>,
+    /// Held values at the start.
+    memory: Tape,
     /// Values of all modes, from the true functions, so that what their arguments share is evaluated once.
     modes: Tape,
     /// M's entries, then h.
@@ -57,6 +59,7 @@ impl Motion {
                 Tape::new(graph, &[input.signal.as_slice(), &[third]].concat())
             })
             .collect();
+        let starts: Vec<Id> = model.memory.iter().map(|held| held.start).collect();
         let modes: Vec<Id> = (0..switches.len()).map(|k| graph.symbol(Symbol::Mode(k as u32))).collect();
         let modes = without_modes(graph, &modes, switches);
         let n = model.coordinates.len();
@@ -66,6 +69,7 @@ impl Motion {
         Motion {
             n,
             inputs,
+            memory: Tape::new(graph, &starts),
             modes: Tape::new(graph, &modes),
             equations: Tape::new(graph, &roots),
             blocks: blocks(n, &places),
@@ -105,8 +109,11 @@ impl Motion {
         state.modes = self.modes.evaluate(|s| state.value(s)).iter().map(|mode| mode.to_f64()).collect();
     }
 
-    /// Inputs at a state's time, for what contains true functions and no modes.
+    /// Inputs at a state's time, for what contains true functions and no modes; held values as at the start where nobody drew them.
     pub fn signals(&self, state: &mut State) {
+        if state.memory.is_empty() {
+            state.memory = self.memory.evaluate(|s| state.value(s).to_f64());
+        }
         state.inputs.clear();
         for tape in &self.inputs {
             let u = tape.evaluate(|s| state.value(s));
@@ -331,6 +338,9 @@ impl Motion {
     /// Accelerations in `f64`, for a coarse run: false where there are none.
     pub fn roughly(&self, rough: &mut Rough) -> bool {
         let Rough { at, a, lambda, scratch, values } = rough;
+        if at.memory.is_empty() {
+            at.memory = self.memory.evaluate(|s| at.value(s));
+        }
         at.inputs.clear();
         for tape in &self.inputs {
             let mut u = [0.0; 4];
@@ -440,6 +450,7 @@ pub(super) struct Point {
     pub q: Vec<f64>,
     pub v: Vec<f64>,
     pub phase: usize,
+    memory: Vec<f64>,
     inputs: Vec<[f64; 4]>,
     modes: Vec<f64>,
 }
@@ -448,7 +459,8 @@ impl Rough {
     /// At rest at the origin.
     pub fn new(parameters: Vec<f64>, n: usize, phase: usize) -> Rough {
         let zeros = || vec![0.0; n];
-        let at = Point { parameters, t: 0.0, q: zeros(), v: zeros(), phase, inputs: Vec::new(), modes: Vec::new() };
+        let (inputs, modes, memory) = (Vec::new(), Vec::new(), Vec::new());
+        let at = Point { parameters, t: 0.0, q: zeros(), v: zeros(), phase, memory, inputs, modes };
         Rough { at, a: zeros(), lambda: Vec::new(), scratch: Vec::new(), values: Vec::new() }
     }
 
@@ -481,6 +493,7 @@ impl Point {
                 self.inputs.get(k as usize).and_then(|u| u.get(usize::from(order))).copied().unwrap_or(0.0)
             }
             Symbol::Parameter(i) => at(&self.parameters, i),
+            Symbol::Memory(j) => at(&self.memory, j),
             Symbol::Mode(k) => at(&self.modes, k),
             Symbol::Phase(k) => f64::from(u8::from(k as usize == self.phase)),
             // Derivations leave none of these in what is followed.

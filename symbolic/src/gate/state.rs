@@ -27,6 +27,8 @@ pub struct State {
     pub lambda: Vec<Measured>,
     /// Inputs: u, u', u'', u''' each, at this time.
     pub inputs: Vec<[DoubleDouble; 4]>,
+    /// Held values.
+    pub memory: Vec<f64>,
     /// Modes of the switches at this state.
     pub modes: Vec<f64>,
     /// Where it comes from.
@@ -64,6 +66,7 @@ impl State {
             phase: 0,
             lambda: Vec::new(),
             inputs: Vec::new(),
+            memory: Vec::new(),
             modes: Vec::new(),
             origin: Origin::Near,
             own: false,
@@ -90,6 +93,7 @@ impl State {
                 input.copied().unwrap_or(DoubleDouble::ZERO)
             }
             Symbol::Parameter(i) => float(&self.parameters, i),
+            Symbol::Memory(j) => float(&self.memory, j),
             Symbol::Mode(k) => float(&self.modes, k),
             Symbol::Multiplier(k) => self.lambda.get(k as usize).map_or(DoubleDouble::ZERO, |l| l.value),
             Symbol::Phase(k) => DoubleDouble::from(if k as usize == self.phase { 1.0 } else { 0.0 }),
@@ -125,6 +129,9 @@ pub(super) fn describe(model: &Model, state: &State) -> String {
     }
     if model.coordinates.len() > SHOWN {
         words.push_str(", …");
+    }
+    for (held, x) in model.memory.iter().zip(&state.memory).take(SHOWN) {
+        let _ = write!(words, ", {} = {}", held.name, short(*x));
     }
     for (p, x) in model.parameters.iter().zip(&state.parameters).take(SHOWN) {
         let _ = write!(words, ", {} = {}", p.name, short(*x));

@@ -13,6 +13,8 @@ pub struct Interpreter {
     pub modes: Vec<f64>,
     /// 1 for the phase in force, 0 for all others.
     pub phases: Vec<f64>,
+    /// Held values.
+    pub memory: Vec<f64>,
     tapes: Tapes,
 }
 
@@ -33,6 +35,7 @@ pub enum Function {
     Invariants,
     Outputs,
     Events,
+    Assignments,
     Switches,
     Drawing,
     EventRates,
@@ -106,6 +109,7 @@ impl Interpreter {
         set(Function::Invariants, &program.invariants);
         set(Function::Outputs, &program.outputs);
         set(Function::Events, &program.events);
+        set(Function::Assignments, &program.assignments);
         set(Function::Switches, &program.switch_pairs);
         set(Function::Drawing, &program.drawing);
         let constraints = &program.constraints;
@@ -133,7 +137,11 @@ impl Interpreter {
         let parameters = program.model.parameters.iter().map(|p| p.default).collect();
         let modes = vec![1.0; program.switches.len()];
         let phases = (0..program.model.phases.len()).map(|k| if k == 0 { 1.0 } else { 0.0 }).collect();
-        Interpreter { program, parameters, modes, phases, tapes }
+        let memory = vec![0.0; program.model.memory.len()];
+        let starts: Vec<Id> = program.model.memory.iter().map(|held| held.start).collect();
+        let mut interpreter = Interpreter { program, parameters, modes, phases, memory, tapes };
+        interpreter.memory = starts.into_iter().map(|id| interpreter.constant(id)).collect();
+        interpreter
     }
 
     /// The program.
@@ -244,6 +252,7 @@ impl Interpreter {
             Symbol::Acceleration(i) => get(at.a, i),
             Symbol::Input(k, order) => get(at.u, 3 * k + u32::from(order)),
             Symbol::Parameter(i) => get(&self.parameters, i),
+            Symbol::Memory(j) => get(&self.memory, j),
             Symbol::Mode(k) => get(&self.modes, k),
             Symbol::Multiplier(k) => get(at.l, k),
             Symbol::Phase(k) => get(&self.phases, k),

@@ -176,9 +176,10 @@ fn inside(graph: &mut Graph, roots: &[Id]) -> Vec<(Role, Id)> {
     let mut moving: HashSet<Id> = HashSet::default();
     for &id in &needed {
         let moves = match graph.node(id) {
-            Node::Symbol(s) => {
-                !matches!(s, Symbol::Parameter(_) | Symbol::Dummy(_) | Symbol::Mode(_) | Symbol::Phase(_))
-            }
+            Node::Symbol(s) => !matches!(
+                s,
+                Symbol::Parameter(_) | Symbol::Memory(_) | Symbol::Dummy(_) | Symbol::Mode(_) | Symbol::Phase(_)
+            ),
             _ => graph.children(id).any(|child| moving.contains(&child)),
         };
         if moves {

@@ -13,6 +13,10 @@ use crate::model::EventAction;
 /// With all frequencies multiples of one, ω₀, everything repeats itself after 2π/ω₀; that may be a multiple of the shortest period, as it
 /// is of cos(ω t)².
 pub(super) fn frequencies(program: &mut Program) -> Option<Vec<Id>> {
+    // Nor where a clock ticks, or what was remembered differs.
+    if !program.model.memory.is_empty() || !program.model.clocks.is_empty() {
+        return None;
+    }
     let roots = functions_of_time(program);
     let mut search = Search::default();
     for root in roots {

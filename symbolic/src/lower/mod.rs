@@ -90,6 +90,8 @@ pub struct Program {
     pub outputs: Vec<Id>,
     /// Pairs (value, condition).
     pub events: Vec<Id>,
+    /// Values of all that events set, set by set.
+    pub assignments: Vec<Id>,
     /// Total time derivatives of the events' functions.
     pub event_rates: Vec<Rate>,
     /// Arguments inside events, switches and the equations of motion.
@@ -230,6 +232,7 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let jumps = (0..model.inputs.len()).map(|k| input_jump(graph, &chosen.residual, k as u32)).collect();
     let power = graph.add(energies.power, constraints.power);
     let outputs = model.outputs.iter().flat_map(|o| o.value.iter().copied()).collect();
+    let assignments = model.sets.iter().flat_map(|set| set.values.iter().map(|(_, value)| *value)).collect();
     let drawing = model.draw.iter().flat_map(drawn).collect();
 
     let reads = parts::reads(graph, &chosen.residual, &constraints, &switches, &model.events);
@@ -287,6 +290,7 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
         invariants,
         outputs,
         events,
+        assignments,
         event_rates,
         arguments,
         switch_pairs,
@@ -356,6 +360,7 @@ impl Program {
             invariants: Vec::new(),
             outputs: Vec::new(),
             events: Vec::new(),
+            assignments: Vec::new(),
             event_rates: Vec::new(),
             arguments: Vec::new(),
             switch_pairs: Vec::new(),

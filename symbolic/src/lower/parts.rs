@@ -42,7 +42,7 @@ impl Part {
 const MOST_PARTS: usize = 16;
 
 /// The coordinates that the equation of motion of each contains: by what F, the rows of the constraints that act on it and the
-/// arguments of discontinuities contain.  `None` where events change the phase, so that each may depend on all.
+/// arguments of discontinuities contain.  `None` where events change the phase or set values, so that each may depend on all.
 pub(super) fn reads(
     graph: &Graph,
     residual: &[Id],
@@ -50,7 +50,9 @@ pub(super) fn reads(
     switches: &[Switch],
     events: &[Event],
 ) -> Option<Vec<Vec<usize>>> {
-    let changes = |action: &EventAction| matches!(action, EventAction::Phase(_) | EventAction::Impact { .. });
+    let changes = |action: &EventAction| {
+        matches!(action, EventAction::Phase(_) | EventAction::Impact { .. } | EventAction::Set(_))
+    };
     if events.iter().any(|event| event.actions.iter().any(changes)) {
         return None;
     }
@@ -108,7 +110,7 @@ pub(super) fn computed_apart(program: &mut Program) -> Vec<Part> {
 
 fn apart(program: &mut Program, parts: &[Vec<usize>]) -> Option<Vec<Part>> {
     let Program { model, switches, constraints, residual, arguments, .. } = program;
-    let tied = !(switches.is_empty() && constraints.is_empty() && model.states.is_empty());
+    let tied = !(switches.is_empty() && constraints.is_empty() && model.states.is_empty() && model.memory.is_empty());
     let Accelerations::Unrolled { values, pivots } = &program.accelerations else { return None };
     if tied || !(2..=MOST_PARTS).contains(&parts.len()) {
         return None;

@@ -59,7 +59,7 @@ fn is_place(symbol: Symbol) -> bool {
 
 fn drawn(symbol: Symbol, random: &mut Random) -> f64 {
     match symbol {
-        Symbol::Parameter(_) => random.between(0.5, 2.0),
+        Symbol::Parameter(_) | Symbol::Memory(_) => random.between(0.5, 2.0),
         Symbol::Mode(_) | Symbol::Phase(_) => 1.0,
         _ => random.between(-2.0, 2.0),
     }

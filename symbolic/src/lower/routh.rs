@@ -70,7 +70,7 @@ impl Ignored {
 /// Why equations are not reduced.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NotReduced {
-    /// Constraints, discontinuities, phases or states of first order act, of which nothing is asked.
+    /// Constraints, discontinuities, phases, states of first order or held values act, of which nothing is asked.
     NotSmooth,
     /// Every coordinate matters.
     NothingIgnorable,
@@ -95,7 +95,10 @@ const AGREES: f64 = 1e-12;
 /// # Errors
 /// Why there is nothing to reduce.
 pub fn routh(program: &Program) -> Result<Reduced, NotReduced> {
-    let plain = program.constraints.is_empty() && program.switches.is_empty() && program.model.states.is_empty();
+    let plain = program.constraints.is_empty()
+        && program.switches.is_empty()
+        && program.model.states.is_empty()
+        && program.model.memory.is_empty();
     if !plain || program.model.phases.len() > 1 {
         return Err(NotReduced::NotSmooth);
     }

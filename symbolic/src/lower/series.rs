@@ -10,7 +10,7 @@ use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary};
 /// Source: R. E. Moore, Interval Analysis (1966), chapter 11; A. Jorba, M. Zou, Experimental Mathematics 14 (2005) 99, proposition 2.1.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Series {
-    /// Expressions of parameters, modes, phases and inputs that do not change, with which rows are made.
+    /// Expressions of parameters, modes, phases, held values and inputs that do not change, with which rows are made.
     pub constants: Vec<Id>,
     /// One for each row.  Coefficients of order k need those of rows before at orders up to k, and of rows behind at lower ones.
     pub rows: Vec<Recurrence>,
@@ -219,7 +219,7 @@ impl Builder<'_> {
             Symbol::Time => Recurrence::Time,
             Symbol::Coordinate(i) => Recurrence::Coordinate(i as usize),
             Symbol::Speed(i) => Recurrence::Speed(i as usize),
-            Symbol::Parameter(_) | Symbol::Mode(_) | Symbol::Phase(_) => return Some(None),
+            Symbol::Parameter(_) | Symbol::Mode(_) | Symbol::Phase(_) | Symbol::Memory(_) => return Some(None),
             Symbol::Input(k, order) => {
                 let signal = *self.program.signals.get(k as usize)?.get(usize::from(order))?;
                 return Some(match self.places.get(&signal) {

@@ -35,8 +35,8 @@ const PRODUCTS: usize = 4096;
 /// Twenty digits.
 const ROUNDINGS: f64 = 1e-20 / DoubleDouble::UNIT;
 
-/// Searches for symmetries with these values of the free parameters; `None` where constraints, discontinuities, phases or states of first
-/// order act, of which nothing is asked.
+/// Searches for symmetries with these values of the free parameters; `None` where constraints, discontinuities, phases, states of first
+/// order or held values act, of which nothing is asked.
 ///
 /// A map is tried at random states, each equation judged by the magnitude of its own terms to 20 digits; what it does to M, ∂F/∂q,
 /// ∂F/∂q' and F at the origin, where they are defined, says beforehand which cannot hold.
@@ -44,7 +44,8 @@ pub fn symmetries(program: &Program, parameters: &[f64]) -> Option<Symmetries> {
     let simple = program.constraints.is_empty()
         && program.switches.is_empty()
         && program.model.phases.len() <= 1
-        && program.model.states.is_empty();
+        && program.model.states.is_empty()
+        && program.model.memory.is_empty();
     let n = program.model.coordinates.len();
     let states = &program.report.states;
     if !simple || states.is_empty() || n == 0 {

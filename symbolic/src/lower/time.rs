@@ -47,6 +47,7 @@ fn with_generic_functions(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
                 | Symbol::Acceleration(_)
                 | Symbol::Multiplier(_)
                 | Symbol::Mode(_)
+                | Symbol::Memory(_)
                 | Symbol::Phase(_)
         )
     };
@@ -78,7 +79,7 @@ fn changing(graph: &mut Graph, rates: &[Id], generic: &[Id]) -> Vec<bool> {
         let span = [1.0, 3.0, 0.1, 30.0][sample % 4];
         let values = tape.evaluate(|symbol| {
             *symbols.borrow_mut().entry(symbol).or_insert_with(|| match symbol {
-                Symbol::Parameter(_) => draw.borrow_mut().between(0.3, 2.0),
+                Symbol::Parameter(_) | Symbol::Memory(_) => draw.borrow_mut().between(0.3, 2.0),
                 Symbol::Mode(_) | Symbol::Phase(_) => 1.0,
                 Symbol::Time => draw.borrow_mut().between(0.0, span),
                 _ => draw.borrow_mut().between(-0.9, 0.9) * span.min(1.0),

@@ -51,6 +51,7 @@ impl Model {
                 _ => None,
             }));
         }
+        found.extend(self.sets.iter_mut().flat_map(|set| &mut set.values).map(|(_, value)| value));
         found.extend(self.draw.iter_mut().flat_map(of_shape));
         let motions = self.motions.iter_mut().map(|motion| &mut motion.scene);
         let scenes = self.scenes.iter_mut().chain(motions);

@@ -19,9 +19,10 @@ pub use identifier::{KEYWORDS, METHODS, field_name, is_snake_case, local_name, m
 pub use motion::{Closes, Goal, Image, Motion};
 pub use resolve::{load, load_in, read_through, read_through_in, resolve};
 pub use resolved::{
-    Balance, BalanceSystem, Body, Change, Check, Conserved, Constraint, Coordinate, Derived, Event, EventAction,
-    Family, GeneralizedForce, HIDDEN, Input, Load, Model, Need, Output, Parameter, Part, Phase, Push, Reaction,
-    RotationCoordinate, Sample, Scene, Shape, SharedEnd, Solid, StateOfFirstOrder, Tried, Vector, Work,
+    Balance, BalanceSystem, Body, Change, Check, Clock, Conserved, Constraint, Coordinate, Derived, Event, EventAction,
+    Family, GeneralizedForce, HIDDEN, HeldValue, Input, Load, Model, Need, Output, Parameter, Part, Phase, Push,
+    Reaction, RotationCoordinate, Sample, Scene, Set, Shape, SharedEnd, Solid, StateOfFirstOrder, Target, Tried,
+    Trigger, Vector, Work,
 };
 pub use rotation::{Orientation, Rotation, product};
 pub use section::inertia::{Impossible, impossible_moments, principal_moments};

@@ -13,13 +13,14 @@ use crate::diagnose::{Place, Problem, Step};
 use crate::file::{Node, Spot};
 
 /// Every key that a model file may have.
-const KEYS: [&str; 33] = [
+const KEYS: [&str; 34] = [
     "name",
     "about",
     "sizes",
     "tables",
     "parameters",
     "coordinates",
+    "memory",
     "states",
     "inputs",
     "define",
@@ -78,6 +79,7 @@ fn resolve_through(root: &Node, sizes: &[(String, i64)], folder: Option<&Path>) 
     let derived = resolver.parameters();
     resolver.tables();
     resolver.coordinates();
+    let memory = resolver.memory();
     let states = resolver.states();
     resolver.inputs();
     resolver.definitions();
@@ -98,6 +100,7 @@ fn resolve_through(root: &Node, sizes: &[(String, i64)], folder: Option<&Path>) 
     resolve_values(&mut resolver.builder, &mut resolver.scope, &items);
     resolver.finish_derived(derived);
     resolver.finish_inputs();
+    resolver.finish_memory(&memory);
     resolver.finish_states(&states);
     resolver.finish_constraints(constraints);
     // 3. Where runs start; look in `scenes.rs`.
@@ -112,6 +115,7 @@ fn resolve_through(root: &Node, sizes: &[(String, i64)], folder: Option<&Path>) 
     resolver.balances();
     // 5. What is computed along a run; look in `watched.rs` and `draw.rs`.
     resolver.watched();
+    resolver.memory_outputs();
     resolver.start_conditions(held);
     resolver.needed();
     resolver.events();

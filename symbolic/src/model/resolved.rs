@@ -49,6 +49,8 @@ pub struct Model {
     pub coordinates: Vec<Coordinate>,
     /// States of first order, families expanded.
     pub states: Vec<StateOfFirstOrder>,
+    /// Held values, families expanded.
+    pub memory: Vec<HeldValue>,
     /// Inputs.
     pub inputs: Vec<Input>,
     /// Bodies.
@@ -93,6 +95,10 @@ pub struct Model {
     pub outputs: Vec<Output>,
     /// Events.
     pub events: Vec<Event>,
+    /// What events set, each at once.
+    pub sets: Vec<Set>,
+    /// The clocks of events that happen again and again.
+    pub clocks: Vec<Clock>,
     /// What to draw.
     pub draw: Vec<Shape>,
     /// Scenes; the first is the default and always there.
@@ -235,6 +241,44 @@ pub struct RotationCoordinate {
     pub first: usize,
     /// Where it is declared.
     pub place: Place,
+}
+
+/// A held value: what `memory` declares.  It changes by events alone.
+#[derive(Clone, Debug)]
+pub struct HeldValue {
+    /// Its expanded name.
+    pub name: String,
+    /// Its unit as written.
+    pub unit: Option<String>,
+    /// What it is where a run starts, of parameters.
+    pub start: Id,
+    /// Where it is declared.
+    pub place: Place,
+}
+
+/// What one `set` sets, all of it at once.
+#[derive(Clone, Debug, Default)]
+pub struct Set {
+    /// What is set, and the value, which is that before.
+    pub values: Vec<(Target, Id)>,
+}
+
+/// What an event can set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Target {
+    /// A held value, by its place.
+    Memory(usize),
+    /// A state of first order, by its place.
+    State(usize),
+}
+
+/// When ticks come: at `from` + k `every`, k = 0, 1, …, both of parameters.
+#[derive(Clone, Copy, Debug)]
+pub struct Clock {
+    /// The first tick, s.
+    pub from: Id,
+    /// The period, s.
+    pub every: Id,
 }
 
 /// A named function of time.
@@ -468,7 +512,9 @@ pub struct Output {
 pub struct Event {
     /// Its expanded label.
     pub name: String,
-    /// Zero when it happens.
+    /// What makes it happen.
+    pub trigger: Trigger,
+    /// Zero when it happens; 1 where something else makes it happen.
     pub when: Id,
     /// It counts only where this is > 0.
     pub condition: Option<Id>,
@@ -482,6 +528,17 @@ pub struct Event {
     pub place: Place,
 }
 
+/// What makes an event happen.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Trigger {
+    /// Its function passes through zero.
+    Zero,
+    /// A tick of a clock, by its place.
+    Tick(usize),
+    /// Any of these held values, by their places, has been set.
+    Set(Vec<usize>),
+}
+
 /// What an event does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EventAction {
@@ -491,6 +548,8 @@ pub enum EventAction {
     Record,
     /// Goes on in this phase.
     Phase(usize),
+    /// Sets held values, or states of first order; by the place of the set.
+    Set(usize),
     /// An impulse along a constraint that is not active.
     Impact {
         /// The coefficient of restitution e, of parameters: the constraint's rate becomes −e times what it was.
@@ -574,6 +633,8 @@ pub struct Scene {
     pub set: Vec<(usize, Id)>,
     /// What is wanted of it; absent: everything.
     pub need: Option<Need>,
+    /// Held values at the start.
+    pub memory: Vec<Id>,
 }
 
 /// What a scene is run for.

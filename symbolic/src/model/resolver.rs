@@ -83,6 +83,15 @@ impl<'a> Resolver<'a> {
         family.filter(|family| self.count(family.members.len(), &place))
     }
 
+    /// Expands a key inside an entry whose indices it may name.
+    pub fn expand_in(&mut self, words: &str, spot: &Spot<'_>, outer: &Locals) -> Option<Family> {
+        if self.too_many_names() {
+            return None;
+        }
+        let place = spot.place.of_key();
+        families::expand_inside(&mut self.builder, &self.scope, &mut self.index_names, (words, &place), outer)
+    }
+
     /// The key of an entry that is one thing: a name, or one member of an indexed name.
     pub fn label(&mut self, words: &str, spot: &Spot<'_>, section: &str) -> Option<String> {
         let family = self.expand(words, spot)?;

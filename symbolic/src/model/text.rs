@@ -106,6 +106,7 @@ pub fn symbol_text(model: &Model, symbol: Symbol) -> String {
         Symbol::Acceleration(i) => rate_name(&coordinate(i), 2),
         Symbol::State(j) => name(model.states.get(j as usize).map(|z| z.name.as_str())),
         Symbol::StateRate(j) => format!("{}'", name(model.states.get(j as usize).map(|z| z.name.as_str()))),
+        Symbol::Memory(j) => name(model.memory.get(j as usize).map(|held| held.name.as_str())),
         Symbol::Input(k, order) => {
             let primes = "'".repeat(usize::from(order));
             format!("{}{primes}", name(model.inputs.get(k as usize).map(|u| u.name.as_str())))

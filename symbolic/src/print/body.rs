@@ -57,6 +57,8 @@ pub(super) struct Bodies<'a> {
     pub first_mode: usize,
     /// Place of the first phase in the block of constants.
     pub first_phase: usize,
+    /// Place of the first held value in the block of constants.
+    pub first_memory: usize,
     /// What tables are numbered by.
     pub tables: &'a [Table],
     /// The type that describes them.
@@ -175,6 +177,7 @@ impl Bodies<'_> {
             Symbol::Parameter(i) => Some(i as usize),
             Symbol::Mode(k) => Some(self.first_mode + k as usize),
             Symbol::Phase(k) => Some(self.first_phase + k as usize),
+            Symbol::Memory(j) => Some(self.first_memory + j as usize),
             _ => None,
         }
     }
@@ -203,7 +206,7 @@ impl Bodies<'_> {
                     continue;
                 }
                 Symbol::Multiplier(k) => (3, k),
-                Symbol::Parameter(_) | Symbol::Mode(_) | Symbol::Phase(_) => {
+                Symbol::Parameter(_) | Symbol::Mode(_) | Symbol::Phase(_) | Symbol::Memory(_) => {
                     reads.constants = true;
                     continue;
                 }

@@ -8,7 +8,7 @@ use crate::model::{local_name, text};
 /// Longer names say less than a place does.
 const LONGEST: usize = 32;
 
-/// Names the whole block: parameters, hoisted expressions (`m_g_l`, `k_over_m`, or after their place, `c7`), modes, phases.
+/// Names the whole block: parameters, hoisted expressions (`m_g_l`, `k_over_m`, or after their place, `c7`), modes, phases, held values.
 pub(super) fn name_constants(names: &mut Names, program: &Program, hoisted: &[Id]) {
     let model = &program.model;
     let free = model.parameters.len();
@@ -18,7 +18,8 @@ pub(super) fn name_constants(names: &mut Names, program: &Program, hoisted: &[Id
     let modes = (1..=program.switches.len()).map(|k| format!("mode_{k}"));
     let phases = model.phases.iter().filter(|phase| !phase.name.is_empty());
     let phases = phases.map(|phase| joined("in", &local_name(&phase.name)));
-    let wanted: Vec<String> = parameters.chain(hoisted).chain(modes).chain(phases).collect();
+    let memory = model.memory.iter().map(|held| local_name(&held.name));
+    let wanted: Vec<String> = parameters.chain(hoisted).chain(modes).chain(phases).chain(memory).collect();
     names.constants = wanted.iter().map(|name| names.scope.fresh(name)).collect();
 }
 

@@ -9,7 +9,7 @@ use super::parameters::field;
 use super::rust::UNJUDGED;
 use super::series::recurrences;
 use super::words::comment;
-use super::{momentum, motions, parts, scenes};
+use super::{memory, momentum, motions, parts, scenes};
 use crate::expr::Id;
 use crate::lower::{Accelerations, Entry, Program};
 use crate::model::{Gimbal, Model, text};
@@ -39,7 +39,7 @@ impl Mechanism<'_> {
     type Balances = [f64; {}];
     const MODES: usize = {};
     const PHASES: usize = {};
-
+{}
     fn description() -> &'static ::dalembert::mechanism::Description {{
         use ::dalembert::mechanism;
         static DESCRIPTION: mechanism::Description = mechanism::Description {{
@@ -52,6 +52,7 @@ impl Mechanism<'_> {
             momentum::block(program),
             program.switches.len(),
             program.phases(),
+            memory::size(program),
             description(program, source)
         );
         out += &gimbals(&program.model);
@@ -74,6 +75,7 @@ impl Mechanism<'_> {
         out += &parts::parts(program, &self.bodies);
         out += &momentum::balances(program, &self.bodies, self.block);
         out += &self.parameters();
+        out += &memory::memory(program, &self.bodies, &self.unhoisted);
         out += &scenes::scenes(program, &self.unhoisted);
         out += &motions::motions(program, &self.unhoisted);
         out + "}\n"
@@ -86,19 +88,21 @@ impl Mechanism<'_> {
         for (k, parameter) in model.parameters.iter().enumerate() {
             let _ = writeln!(lines, "        c[{k}] = S::gather(|i| lane(i).{});", field(parameter));
         }
-        let first_phase = self.block - self.program.phases();
+        let first_memory = self.block - model.memory.len();
+        let first_phase = first_memory - self.program.phases();
         for k in first_phase - self.program.switches.len()..first_phase {
             let _ = writeln!(lines, "        c[{k}] = S::ratio(1.0, 1.0);");
         }
         // The first phase is in force.
-        if first_phase < self.block {
+        if first_phase < first_memory {
             let _ = writeln!(lines, "        c[{first_phase}] = S::ratio(1.0, 1.0);");
         }
         for (k, id) in self.constants.iter().enumerate() {
             lines += &comment(&format!("c[{}] = {}", count + k, text(model, *id)), "        ");
         }
-        let uses: Vec<Use> =
-            self.constants.iter().enumerate().map(|(k, id)| Use::Store(format!("c[{}]", count + k), *id)).collect();
+        let hoisted = self.constants.iter().zip(count..);
+        let memory = model.memory.iter().map(|held| &held.start).zip(first_memory..);
+        let uses: Vec<Use> = hoisted.chain(memory).map(|(id, place)| Use::Store(format!("c[{place}]"), *id)).collect();
         let lines = lines + &self.unhoisted.body(&uses, "        ").lines;
         let lane = argument("lane", "impl ::core::ops::Fn(usize) -> Self", count > 0);
         let body = block_of("c", self.block, &lines);

@@ -9,6 +9,7 @@ mod function;
 mod linear;
 mod linearisation;
 mod mechanism;
+mod memory;
 mod momentum;
 mod motions;
 mod numpy;

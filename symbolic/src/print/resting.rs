@@ -30,7 +30,12 @@ pub fn resting_place(program: &Program, coordinate: usize) -> Option<String> {
     let unfit = |symbol: Symbol| {
         matches!(
             symbol,
-            Symbol::Mode(_) | Symbol::Reaction(_) | Symbol::Multiplier(_) | Symbol::Phase(_) | Symbol::Dummy(_)
+            Symbol::Mode(_)
+                | Symbol::Memory(_)
+                | Symbol::Reaction(_)
+                | Symbol::Multiplier(_)
+                | Symbol::Phase(_)
+                | Symbol::Dummy(_)
         )
     };
     if says(graph, place, unfit) {

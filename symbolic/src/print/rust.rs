@@ -7,9 +7,9 @@ use super::constants::name_constants;
 use super::mechanism::Mechanism;
 use super::parameters::parameters;
 use super::scope::Names;
-use crate::expr::{Id, Node, Symbol, Table, Unary};
+use crate::expr::{Id, Node, Number, Rational, Symbol, Table, Unary};
 use crate::lower::{Accelerations, Program};
-use crate::model::{EventAction, Goal};
+use crate::model::{Clock, EventAction, Goal};
 
 /// The items that `model!` expands to: the type, its parameters, and its `Mechanism`.
 ///
@@ -22,6 +22,7 @@ pub fn rust(program: &Program, source: &str, name: &str) -> String {
     let free = program.model.parameters.len();
     let first_mode = free + constants.len();
     let first_phase = first_mode + program.switches.len();
+    let first_memory = first_phase + program.phases();
     let nowhere = HashMap::default();
     let places = constants.iter().enumerate().map(|(k, id)| (*id, free + k)).collect();
     let tables = program.tables();
@@ -36,6 +37,7 @@ pub fn rust(program: &Program, source: &str, name: &str) -> String {
         hoisted,
         first_mode,
         first_phase,
+        first_memory,
         tables: &tables,
         owner: &owner,
     };
@@ -44,7 +46,7 @@ pub fn rust(program: &Program, source: &str, name: &str) -> String {
         bodies: bodies(&places),
         unhoisted: bodies(&nowhere),
         constants: &constants,
-        block: first_phase + program.phases(),
+        block: first_memory + program.model.memory.len(),
     };
     parameters(program, name, &mechanism.unhoisted) + &mechanism.text(source, name)
 }
@@ -112,6 +114,7 @@ impl Program {
             &self.invariants,
             &self.outputs,
             &self.events,
+            &self.assignments,
             &self.switch_pairs,
             &self.drawing,
             &constraints.values,
@@ -172,6 +175,32 @@ impl Program {
         actions
             .filter_map(|a| if let EventAction::Impact { restitution, .. } = a { Some(*restitution) } else { None })
             .collect()
+    }
+
+    /// What held values are where a scene starts, of parameters.
+    pub fn memory_of_scene(&self, scene: usize) -> Vec<Id> {
+        let scene = self.model.all_scenes().nth(scene).or_else(|| self.model.all_scenes().next());
+        scene.map_or_else(Vec::new, |scene| scene.memory.clone())
+    }
+
+    /// Pairs (first tick, period) of all clocks, of parameters.
+    pub fn clock_numbers(&self) -> Vec<Id> {
+        self.model.clocks.iter().flat_map(|clock| [clock.from, clock.every]).collect()
+    }
+
+    /// The first tick and the period of a clock as fractions, where both are plain numbers.
+    pub fn exact_clock(&self, clock: &Clock) -> Option<[Rational; 2]> {
+        let exact = |id: Id| match self.model.graph.number(id) {
+            Some(Number::Exact(rational)) => Some(rational),
+            _ => None,
+        };
+        Some([exact(clock.from)?, exact(clock.every)?])
+    }
+
+    /// True when something that events set contains an acceleration or a multiplier.
+    pub fn assignments_use_accelerations(&self) -> bool {
+        let symbols = self.model.graph.symbols(self.assignments.iter().copied());
+        symbols.into_iter().any(|s| matches!(s, Symbol::Acceleration(_) | Symbol::Multiplier(_)))
     }
 
     /// How many indicators of phases generated code holds: none where the file has no phases.

@@ -33,6 +33,7 @@ pub const OWN: &[&str] = &[
     "x",
     "S",
     "DESCRIPTION",
+    "SAMPLING",
 ];
 
 /// Names given out, on top of those of the scopes around.

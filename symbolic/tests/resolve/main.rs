@@ -52,6 +52,7 @@ impl At {
             Symbol::Parameter(i) => model.parameters[i as usize].default,
             Symbol::State(j) => self.get(&model.states[j as usize].name, 0),
             Symbol::StateRate(j) => self.get(&model.states[j as usize].name, 1),
+            Symbol::Memory(j) => self.get(&model.memory[j as usize].name, 0),
             Symbol::Mode(_) | Symbol::Reaction(_) | Symbol::Multiplier(_) | Symbol::Phase(_) | Symbol::Dummy(_) => {
                 f64::NAN
             }

@@ -20,12 +20,13 @@ Regenerate: `cargo run --example why -p dalembert-symbolic > docs/why-it-did-not
 ";
 
 /// The subjects of the catalogue, in its order.
-const SUBJECTS: [&str; 9] = [
+const SUBJECTS: [&str; 10] = [
     "YAML",
     "Expressions, keys and units",
     "Names, sizes and indices",
     "Units",
     "States of first order",
+    "Held values",
     "The shape of a file",
     "Mechanics",
     "What deriving and testing at random states finds",

@@ -10,6 +10,8 @@ mod matrices;
 mod model;
 mod motion;
 mod report;
+#[cfg(feature = "modal")]
+mod sampled;
 mod shaken;
 #[cfg(feature = "modal")]
 mod states;
@@ -27,7 +29,7 @@ use crate::linear::{
     Guess, Kind, LinearError, Linearised, Mode, animate_mode, draw_modes, equilibrium_here, equilibrium_near,
     has_dependent_coordinates, linearise, linearise_constrained,
 };
-use crate::mechanism::System;
+use crate::mechanism::{System, Target};
 use clap::ArgMatches;
 use dalembert_symbolic::model::Sets;
 use damping::Damping;
@@ -53,6 +55,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     let (scene, mut reader) = choose(&mut loaded, options)?;
     enter_phase(&mut loaded, scene, options)?;
     let inputs = held_inputs(&loaded, options)?;
+    let mut memory = loaded.system.scene_memory(scene);
     let mut speeds = Speeds::new(&loaded, options, scene, &inputs)?;
     let mut q = match options.get_flag("steady") {
         true => loaded.system.scene(scene).q,
@@ -65,10 +68,18 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         q[first..].fill(0.0);
     }
     reader.states(&loaded, options, "at", &mut q, &mut speeds.v)?;
+    for (place, value) in reader.memory(&loaded, options, "at")? {
+        memory[place] = value;
+    }
+    loaded.system.set_memory(&memory);
+    let held = held_note(&*loaded.system).filter(|_| !options.get_flag("sampled"));
     let guess = Guess { q, v: speeds.v.clone(), inputs };
     loaded.warnings.append(&mut reader.notes);
-    for warning in &loaded.warnings {
+    for warning in loaded.warnings.iter().chain(&held) {
         eprintln!("warning: {warning}");
+    }
+    if options.get_flag("sampled") {
+        return sampled(&loaded, options, guess, out);
     }
     if loaded.system.description().has_states() {
         return with_states(&loaded, options, &guess, out);
@@ -99,6 +110,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         more.extend(motion.iter().map(Compared::as_json));
         more.extend(driven.iter().flat_map(Driven::as_json));
         more.extend(locus.map(|locus| locus.as_json()));
+        let told: Vec<&String> = told.iter().chain(&held).collect();
         more.extend((!told.is_empty()).then(|| ("warnings", json!(told))));
         super::json::write(&report::as_json(&loaded.name, &linear, &modes, more), out)?;
         return Ok(());
@@ -119,6 +131,29 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         locus.table(out)?;
     }
     Ok(())
+}
+
+/// That held values stay as they are, where ticks or other events would set some.
+fn held_note(system: &dyn System) -> Option<String> {
+    let sampling = system.sampling();
+    let set = |place: u32| {
+        sampling.sets.iter().flat_map(|targets| targets.iter()).any(|target| *target == Target::Memory(place))
+    };
+    let held = sampling.memory.iter().zip(0..).filter(|(_, place)| set(*place));
+    let names: Vec<String> = held.map(|(held, _)| format!("`{}`", held.name)).collect();
+    let are = if names.len() == 1 { "is" } else { "are" };
+    let closes = if sampling.clocks.is_empty() { "" } else { "; `modes --sampled` closes it" };
+    (!names.is_empty()).then(|| format!("{} {are} held: this is the open loop{closes}", names.join(", ")))
+}
+
+#[cfg(feature = "modal")]
+fn sampled(loaded: &Loaded, options: &ArgMatches, guess: Guess, out: &mut dyn Write) -> Result<(), Problem> {
+    sampled::run(loaded, options, guess, out)
+}
+
+#[cfg(not(feature = "modal"))]
+fn sampled(_: &Loaded, _: &ArgMatches, _: Guess, _: &mut dyn Write) -> Result<(), Problem> {
+    Err(failed(LinearError::NeedsFeature { feature: "modal" }))
 }
 
 #[cfg(feature = "modal")]

@@ -16,7 +16,7 @@ use super::{MOST_PRINTED, failed};
 use crate::linear::{Guess, StateSpace, linearise_states, short, short_beside};
 
 /// What has modes of M, C and K only.
-const OF_MODES: [&str; 14] = [
+pub(super) const OF_MODES: [&str; 14] = [
     "plot", "animate", "mode", "matrices", "motion", "drive", "omega", "bode", "response", "range", "vary", "locus",
     "campbell", "orders",
 ];

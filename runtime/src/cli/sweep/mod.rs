@@ -139,7 +139,7 @@ fn compute(loaded: &mut Loaded, options: &ArgMatches, columns: &[String], modes:
             untried.into_iter().next().inspect(|note| _ = first_note.set(note.clone()));
             Ok(modes)
         });
-        let mut settings = changes.of(Settings::new(&system.scene(scene)));
+        let mut settings = changes.of(Settings::of_scene(&*system, scene));
         points.varied.iter().zip(&values).for_each(|(varied, value)| varied.start(&mut settings, *value));
         settings.method = method.unwrap_or(settings.method);
         // Extremes are those of dense output.

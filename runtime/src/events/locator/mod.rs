@@ -14,7 +14,7 @@ use super::stops::Stops;
 use super::{EventNote, Log, Remarkable};
 use crate::cause::Cause;
 use crate::integrate::{Endpoint, Segment};
-use crate::mechanism::{Action, Direction, System};
+use crate::mechanism::{Action, Direction, System, Trigger};
 
 /// Watches events and switches along a motion.
 #[derive(Clone, Debug)]
@@ -32,6 +32,8 @@ pub(crate) struct EventLocator {
     beyond: Vec<Option<f64>>,
     /// One that might have left its surface to the other side as well, where modes were chosen last.
     undecided: Option<usize>,
+    /// Events that do nothing.
+    ignored: Vec<usize>,
     /// When each event was written down last, s; not a number before.
     logged: Vec<f64>,
     /// The length of the last step, s.
@@ -49,6 +51,8 @@ pub(crate) struct Fired {
     pub event: usize,
     /// What it does, in order.
     pub actions: Vec<Action>,
+    /// Whether its condition is still to be looked at, and it to be written down: a tick, or what follows when something was set.
+    pub pending: bool,
 }
 
 /// The first thing within a step that ends it.
@@ -99,8 +103,12 @@ impl EventLocator {
         let mut sampler = Sampler::new(system);
         let mut arguments = Arguments::new(system);
         let stops = Stops::new(system, (&mut sampler, &mut arguments), (from, until), y)?;
+        let mut scanner = Scanner::new(system, &sampler);
+        // Those that happen at ticks, or when something was set, have no function.
+        let has_function = |event: &usize| *system.sampling().trigger(*event) == Trigger::Zero;
+        (0..events).filter(|event| !has_function(event)).for_each(|event| scanner.ignore(event));
         Ok(Some(EventLocator {
-            scanner: Scanner::new(system, &sampler),
+            scanner,
             sampler,
             arguments,
             monitors,
@@ -109,6 +117,7 @@ impl EventLocator {
             beyond: vec![None; time_only.len()],
             undecided: None,
             time_only,
+            ignored: Vec::new(),
             logged: vec![f64::NAN; events],
             step: 0.0,
             restarts: 0,
@@ -120,6 +129,7 @@ impl EventLocator {
     /// Never looks at these events.
     pub fn ignore(&mut self, events: &[usize]) {
         events.iter().for_each(|event| self.scanner.ignore(*event));
+        self.ignored = events.to_vec();
     }
 
     /// Chooses the modes at the start of a motion.
@@ -150,7 +160,8 @@ impl EventLocator {
     /// cross zero in it, or leave zero.
     pub fn wants_dense<S: System + ?Sized>(&self, system: &S) -> bool {
         let timed = |switch: usize| self.time_only[switch] && modes::side(system, switch) != 0.0;
-        (0..self.sampler.len()).any(|function| !self.sampler.switch(function).is_some_and(timed))
+        let watched = |function: &usize| !self.scanner.is_ignored(*function);
+        (0..self.sampler.len()).filter(watched).any(|function| !self.sampler.switch(function).is_some_and(timed))
     }
 
     /// Whether the ends of a step show that nothing hides between them in the equations of motion.
@@ -392,7 +403,8 @@ impl EventLocator {
                 self.logged[crossing.function] = t;
                 recorder.event(system, crossing.function, t, y, event.actions.contains(&Action::Stop));
                 if event.actions.iter().any(|action| *action != Action::Record) {
-                    fired.push(Fired { event: crossing.function, actions: event.actions.to_vec() });
+                    let (event, actions) = (crossing.function, event.actions.to_vec());
+                    fired.push(Fired { event, actions, pending: false });
                 }
             }
         }
@@ -437,6 +449,61 @@ impl EventLocator {
         Ok(())
     }
 
+    /// Events that do not wait for zeros, in file order, as far as they count in the phase in force.
+    pub fn pending<S: System + ?Sized>(&self, system: &S, events: impl Iterator<Item = usize>) -> Vec<Fired> {
+        let (phase, described) = (system.phase() as u32, &system.description().events);
+        let counts = |event: &usize| {
+            let phases = described[*event].phases.as_ref();
+            !self.ignored.contains(event) && phases.is_none_or(|phases| phases.contains(&phase))
+        };
+        let fired = |event: usize| Fired { event, actions: described[event].actions.to_vec(), pending: true };
+        events.filter(counts).map(fired).collect()
+    }
+
+    /// Whether the condition of an event holds at a state.
+    pub fn holds<S: System + ?Sized>(&mut self, system: &S, event: usize, (t, y): (f64, &[f64])) -> bool {
+        if !system.description().events[event].conditional {
+            return true;
+        }
+        self.sampler.at_state(system, t, y);
+        self.sampler.condition(event) > 0.0
+    }
+
+    /// The values of all events' functions at a state.
+    pub fn values<S: System + ?Sized>(&mut self, system: &S, (t, y): (f64, &[f64])) -> Vec<f64> {
+        let watched: Vec<usize> = (0..self.sampler.events()).filter(|event| !self.scanner.is_ignored(*event)).collect();
+        if watched.is_empty() {
+            return Vec::new();
+        }
+        self.sampler.at_state(system, t, y);
+        (0..self.sampler.events()).map(|event| self.sampler.value(event)).collect()
+    }
+
+    /// Looks anew at discontinuities after something was set, and at events whose functions were not what they are now: a function that
+    /// jumps over its zero is on its new side, and one that does not jump goes on as if nothing had happened.
+    pub fn reassigned<S: System + ?Sized>(
+        &mut self,
+        system: &mut S,
+        (t, y): (f64, &[f64]),
+        before: &[f64],
+        trial: Trial<'_, S>,
+    ) -> Result<(), Box<Cause>> {
+        self.forget_surfaces();
+        self.choose(system, (t, y), None, trial)?;
+        self.forget_surfaces();
+        for (event, (before, now)) in before.iter().zip(self.values(system, (t, y))).enumerate() {
+            if *before != now {
+                let zero = self.sampler.rounding_at(system, event, (t, y));
+                let on = now.is_nan() || now.abs() <= zero;
+                self.scanner.sides[event] = if on { 0.0 } else { now.signum() };
+                self.scanner.fresh[event] = true;
+                self.scanner.leaving[event] = 0.0;
+                self.scanner.zero[event] = if on { self.surface_of(system, event, (t, y)) } else { 0.0 };
+            }
+        }
+        Ok(())
+    }
+
     /// What is zero of an event's function that is at its zero in the state that was evaluated last.
     fn surface_of<S: System + ?Sized>(&mut self, system: &S, event: usize, (t, y): (f64, &[f64])) -> f64 {
         let value = self.sampler.value(event).abs();
@@ -465,7 +532,7 @@ impl EventLocator {
                 Direction::Falling => side < 0.0,
             };
             if past && self.sampler.condition(function) > 0.0 {
-                fired.push(Fired { event: function, actions: event.actions.to_vec() });
+                fired.push(Fired { event: function, actions: event.actions.to_vec(), pending: false });
             }
         }
         fired

@@ -19,10 +19,10 @@ impl EventLocator {
         }
     }
 
-    /// Events that record or stop, at their zero where a motion ends with a step of `step`, and moving past: a motion that starts there
+    /// Events that record, set or stop, at their zero where a motion ends with a step of `step`, and moving past: a motion that starts there
     /// waits for them.
     pub fn at_end<S: System + ?Sized>(&mut self, system: &S, (t, y): (f64, &[f64]), step: f64) -> Vec<usize> {
-        let waits = |action: &Action| matches!(action, Action::Record | Action::Stop);
+        let waits = |action: &Action| matches!(action, Action::Record | Action::Stop | Action::Set(_));
         let events = self.sampler.events();
         let happens = |event: &usize| {
             let described = &system.description().events[*event];
@@ -53,7 +53,7 @@ impl EventLocator {
         let phase = system.phase() as u32;
         let (mut past, events) = (Vec::new(), &system.description().events);
         let mut fired = self.already_past(system, (t, y), true);
-        fired.retain(|Fired { event, actions }| {
+        fired.retain(|Fired { event, actions, .. }| {
             let beyond = self.scanner.sides[*event] != 0.0;
             let strikes = actions.iter().any(|action| matches!(action, Action::Impact { .. }));
             if strikes && beyond {

@@ -4,6 +4,8 @@ mod discontinuity;
 mod family;
 mod linearise;
 mod point;
+#[cfg(feature = "modal")]
+mod sampled;
 mod search;
 #[cfg(feature = "modal")]
 mod state_space;
@@ -19,6 +21,8 @@ pub(super) use linearise::linearised_at;
 pub use linearise::{Linearised, linearise, state_matrix};
 pub(super) use point::LinearisationPoint;
 pub(crate) use point::force_unit;
+#[cfg(feature = "modal")]
+pub use sampled::{SampledLoop, linearise_sampled};
 pub(super) use search::ConvergenceHistory;
 pub use search::{Equilibrium, Guess, equilibria, equilibrium_here, equilibrium_near};
 #[cfg(feature = "modal")]

@@ -32,6 +32,12 @@ impl LinearisationPoint {
         LinearisationPoint { system: RefCell::new(held), n, v: guess.v.clone(), zero: vec![0.0; n] }
     }
 
+    /// How many coordinates are not hidden.
+    #[cfg(feature = "modal")]
+    pub(super) fn mechanical(&self) -> usize {
+        self.system.borrow().description().mechanical()
+    }
+
     /// Whether coordinates are not independent.
     fn has_constraints(&self) -> bool {
         has_dependent_coordinates(&**self.system.borrow())
@@ -66,6 +72,12 @@ impl LinearisationPoint {
             unit: force_unit(&coordinate.unit),
         })
         .collect()
+    }
+
+    /// Accelerations of what rests.
+    #[cfg(feature = "modal")]
+    pub(super) fn at_rest(&self) -> &[f64] {
+        &self.zero
     }
 
     pub(super) fn name(&self, index: usize) -> String {

@@ -7,7 +7,7 @@
 //!
 //! A state is kept as the speed of a hidden coordinate, whose row and column are left out: no zero of A comes from it.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::Guess;
 use super::point::LinearisationPoint;
@@ -202,7 +202,7 @@ impl Search {
     }
 
     fn linearised(&self, iterations: usize) -> Result<StateSpace, LinearError> {
-        let (n, all) = (self.n, self.base.n);
+        let n = self.n;
         if let Some(jump) = self.base.jumps(&self.q).first() {
             let residual = self.base.forces(&jump.force).into_iter().filter(|jump| jump.force != 0.0);
             let jumps = residual.map(|jump| Residual { force: jump.force.abs(), ..jump }).collect();
@@ -211,27 +211,9 @@ impl Search {
         if let Some(switch) = self.base.kink(&self.q) {
             return Err(LinearError::NotSmooth { switch });
         }
-        let [mass, damping, stiffness] = self.base.cleaned(&self.q);
         let input = self.base.input(&self.q).to_dense();
-        let values = (0..input.ncols()).step_by(3).map(|k| input.column(k)).collect::<Vec<_>>();
-        let mut right = DMatrix::zeros(all, 2 * all + values.len());
-        right.columns_mut(0, all).copy_from(&-stiffness.to_dense());
-        right.columns_mut(all, all).copy_from(&-damping.to_dense());
-        values.iter().enumerate().for_each(|(k, column)| right.column_mut(2 * all + k).copy_from(column));
-        if right.iter().any(|x| !x.is_finite()) {
-            return Err(LinearError::NonFinite { what: "the linear model".to_owned() });
-        }
-        let solved = mass.to_dense().lu().solve(&right).filter(|x| x.iter().all(|x| x.is_finite()));
-        let solved = solved.ok_or(LinearError::NoConvergence { what: "the accelerations' derivatives" })?;
-        // Of [q; v] all but what is hidden of q.
-        let kept: Vec<usize> = (0..n).chain(all..2 * all).collect();
-        let mut matrix = DMatrix::zeros(kept.len(), kept.len());
-        matrix.view_mut((0, n), (n, n)).fill_with_identity();
-        for (column, k) in kept.iter().enumerate() {
-            matrix.view_mut((n, column), (all, 1)).copy_from(&solved.column(*k));
-        }
-        let mut drive = DMatrix::zeros(kept.len(), values.len());
-        drive.view_mut((n, 0), (all, values.len())).copy_from(&solved.columns(2 * all, values.len()));
+        let values = (0..input.ncols()).step_by(3).map(|k| input.column(k).into_owned()).collect::<Vec<_>>();
+        let (matrix, drive) = first_order(&self.base, &self.q, &values)?;
         let (balanced, scales) = balanced(&matrix);
         let (force, measure) = (self.base.force(&self.q), self.base.measure(&self.q));
         let part = |(f, measure): (&f64, &f64)| if *f == 0.0 { 0.0 } else { f.abs() / measure };
@@ -250,6 +232,40 @@ impl Search {
             scales,
         })
     }
+}
+
+/// A of x' = A x about a rest.
+pub(super) fn linearised(base: &LinearisationPoint, q: &[f64]) -> Result<DMatrix<f64>, LinearError> {
+    Ok(first_order(base, q, &[])?.0)
+}
+
+/// A, and a column of B for each of some forces.
+fn first_order(
+    base: &LinearisationPoint,
+    q: &[f64],
+    forces: &[DVector<f64>],
+) -> Result<(DMatrix<f64>, DMatrix<f64>), LinearError> {
+    let (n, all) = (base.mechanical(), base.n);
+    let [mass, damping, stiffness] = base.cleaned(q);
+    let mut right = DMatrix::zeros(all, 2 * all + forces.len());
+    right.columns_mut(0, all).copy_from(&-stiffness.to_dense());
+    right.columns_mut(all, all).copy_from(&-damping.to_dense());
+    forces.iter().enumerate().for_each(|(k, column)| right.column_mut(2 * all + k).copy_from(column));
+    if right.iter().any(|x| !x.is_finite()) {
+        return Err(LinearError::NonFinite { what: "the linear model".to_owned() });
+    }
+    let solved = mass.to_dense().lu().solve(&right).filter(|x| x.iter().all(|x| x.is_finite()));
+    let solved = solved.ok_or(LinearError::NoConvergence { what: "the accelerations' derivatives" })?;
+    // Of [q; v] all but what is hidden of q.
+    let kept: Vec<usize> = (0..n).chain(all..2 * all).collect();
+    let mut matrix = DMatrix::zeros(kept.len(), kept.len());
+    matrix.view_mut((0, n), (n, n)).fill_with_identity();
+    for (column, k) in kept.iter().enumerate() {
+        matrix.view_mut((n, column), (all, 1)).copy_from(&solved.column(*k));
+    }
+    let mut drive = DMatrix::zeros(kept.len(), forces.len());
+    drive.view_mut((n, 0), (all, forces.len())).copy_from(&solved.columns(2 * all, forces.len()));
+    Ok((matrix, drive))
 }
 
 /// D⁻¹ A D with D of powers of 2 so that rows and columns of it are of one size (Osborne, J. ACM 7, 1960), and D: ranks count by what is small

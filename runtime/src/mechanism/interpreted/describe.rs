@@ -4,14 +4,14 @@ use dalembert_symbolic::derive::SwitchKind as SymbolicSwitchKind;
 use dalembert_symbolic::lower::{self, Entry, MomentumSystem, Program, Rate};
 use dalembert_symbolic::model::{
     EventAction, Gimbal as SymbolicGimbal, Goal as SymbolicGoal, Image, Motion as SymbolicMotion,
-    Shape as SymbolicShape, Solid,
+    Shape as SymbolicShape, Solid, Target as SymbolicTarget, Trigger as SymbolicTrigger,
 };
 use dalembert_symbolic::{expr, print};
 
 use crate::mechanism::{
-    Action, Argument, Balance, BalanceSystem, Closes, ClosesBy, Coordinate, Counts, Description, Direction, Event,
-    Extreme, Gimbal, Goal, InputJump, Integral, List, Motion, Parameter, Part, Phase, Quantity, Rated, Role, Row,
-    Shape, Structure, Switch, SwitchKind, Table, Text, Tried, Watched,
+    Action, Argument, Balance, BalanceSystem, Clock, Closes, ClosesBy, Coordinate, Counts, Description, Direction,
+    Event, Extreme, Gimbal, Goal, InputJump, Integral, List, Motion, Parameter, Part, Phase, Quantity, Rated, Role,
+    Row, Sampling, Shape, Structure, Switch, SwitchKind, Table, Target, Text, Tried, Trigger, Watched,
 };
 
 /// Where an integral was tried.
@@ -73,6 +73,37 @@ pub(super) fn motion(motion: &SymbolicMotion) -> Motion {
     };
     let unknowns = motion.unknowns.iter().map(|(name, _)| text(name)).collect();
     Motion { name: text(&motion.name), goal, unknowns }
+}
+
+/// What is held, set and sampled.
+pub(super) fn sampling(program: &Program) -> Sampling {
+    let model = &program.model;
+    let held = model.memory.iter().map(|held| Quantity {
+        name: Text::Owned(held.name.clone()),
+        components: 1,
+        unit: Text::Owned(held.unit.as_deref().map(print::si_unit).unwrap_or_default()),
+    });
+    let trigger = |event: &dalembert_symbolic::model::Event| match &event.trigger {
+        SymbolicTrigger::Zero => Trigger::Zero,
+        SymbolicTrigger::Tick(clock) => Trigger::Tick(*clock as u32),
+        SymbolicTrigger::Set(held) => Trigger::Set(held.iter().map(|place| *place as u32).collect()),
+    };
+    let clocks = model.clocks.iter().map(|clock| Clock {
+        exact: program.exact_clock(clock).map(|exact| exact.map(|r| (r.numerator(), r.denominator()))),
+    });
+    let first = model.mechanical();
+    let target = |target: SymbolicTarget| match target {
+        SymbolicTarget::Memory(place) => Target::Memory(place as u32),
+        SymbolicTarget::State(place) => Target::State((first + place) as u32),
+    };
+    let sets = model.sets.iter().map(|set| set.values.iter().map(|(of, _)| target(*of)).collect::<List<Target>>());
+    Sampling {
+        memory: held.collect(),
+        triggers: model.events.iter().map(trigger).collect(),
+        clocks: clocks.collect(),
+        sets: sets.collect(),
+        sets_use_accelerations: program.assignments_use_accelerations(),
+    }
 }
 
 fn solid(kind: Solid) -> Shape {
@@ -183,6 +214,7 @@ pub(super) fn describe(program: &Program, source: &str) -> Description {
                         EventAction::Stop => Action::Stop,
                         EventAction::Record => Action::Record,
                         EventAction::Phase(phase) => Action::Phase(*phase as u32),
+                        EventAction::Set(set) => Action::Set(*set as u32),
                         EventAction::Impact { along, .. } => {
                             impacts += 1;
                             Action::Impact { along: *along as u32, restitution: impacts - 1 }

@@ -10,7 +10,7 @@ use std::sync::OnceLock;
 use dalembert_symbolic::interpret::{self, Function, Interpreter};
 use dalembert_symbolic::lower::Program;
 
-use describe::{describe, gimbal, motion};
+use describe::{describe, gimbal, motion, sampling};
 pub(crate) use extended::ExtendedAt;
 use series::OwnSeries;
 
@@ -18,8 +18,8 @@ use super::balances::{belongs, put_reactions};
 use super::phased::{Phased, RowHistory, indicate, sprung};
 use super::system::Replaced;
 use super::{
-    Along, At, Balances, Description, Energy, Enforcement, Gimbal, Motion, MotionNumbers, Scene, Series, Signal,
-    Singular, SingularMass, System,
+    Along, At, Balances, Description, Energy, Enforcement, Gimbal, Motion, MotionNumbers, Sampling, Scene, Series,
+    Signal, Singular, SingularMass, System,
 };
 
 /// An interpreted mechanism.
@@ -29,6 +29,7 @@ pub struct Interpreted {
     description: Description,
     gimbals: Vec<Gimbal>,
     motions: Vec<Motion>,
+    sampling: Sampling,
     signals: Vec<Option<Replaced>>,
     derivation: Option<usize>,
     phased: Phased,
@@ -41,12 +42,14 @@ impl Interpreted {
         let description = describe(&program, source);
         let gimbals = program.model.gimbals().iter().map(gimbal).collect();
         let motions = program.model.motions.iter().map(motion).collect();
+        let sampling = sampling(&program);
         let signals = vec![None; program.model.inputs.len()];
         Interpreted {
             interpreter: Interpreter::new(program),
             description,
             gimbals,
             motions,
+            sampling,
             signals,
             derivation: None,
             phased: Phased::default(),
@@ -105,6 +108,32 @@ impl Interpreted {
 impl System for Interpreted {
     fn description(&self) -> &Description {
         &self.description
+    }
+
+    fn sampling(&self) -> &Sampling {
+        &self.sampling
+    }
+
+    fn memory(&self) -> &[f64] {
+        &self.interpreter.memory
+    }
+
+    fn set_memory(&mut self, values: &[f64]) {
+        self.interpreter.memory.copy_from_slice(values);
+    }
+
+    fn assignments(&self, at: At<'_>, values: &mut [f64]) {
+        self.complete(Function::Assignments, at, self.sampling.sets_use_accelerations, values);
+    }
+
+    fn scene_memory(&self, scene: usize) -> Vec<f64> {
+        let starts = self.interpreter.program().memory_of_scene(scene);
+        starts.into_iter().map(|id| self.interpreter.constant(id)).collect()
+    }
+
+    fn clocks(&self) -> Vec<[f64; 2]> {
+        let numbers = self.interpreter.program().clock_numbers();
+        numbers.chunks_exact(2).map(|pair| [pair[0], pair[1]].map(|id| self.interpreter.constant(id))).collect()
     }
 
     fn gimbals(&self) -> &[Gimbal] {

@@ -20,6 +20,10 @@ pub(super) fn slopes(
     let plain = |symbol: Symbol| match symbol {
         Symbol::Time => Dual::moving(at.t, along.t),
         Symbol::Parameter(k) => Dual::moving(interpreter.value(symbol, interpret::At::default()), parameter(k)),
+        Symbol::Memory(j) => {
+            let slope = f64::from(u8::from(along.memory == Some(j as usize)));
+            Dual::moving(interpreter.value(symbol, interpret::At::default()), slope)
+        }
         _ => Dual::constant(interpreter.value(symbol, interpret::At::default())),
     };
     let mut inputs = vec![Dual::constant(0.0); 3 * program.model.inputs.len()];
@@ -55,6 +59,7 @@ pub(super) fn slopes(
         }
         mechanism::Function::Constraints => interpreter.evaluate_in(Function::Constraints, value, &mut room),
         mechanism::Function::Events => interpreter.evaluate_in(Function::Events, value, &mut room),
+        mechanism::Function::Assignments => interpreter.evaluate_in(Function::Assignments, value, &mut room),
         mechanism::Function::Switches => interpreter.evaluate_in(Function::Switches, value, &mut room),
         mechanism::Function::Outputs => interpreter.evaluate_in(Function::Outputs, value, &mut room),
         mechanism::Function::Energies => interpreter.evaluate_in(Function::Energy, value, &mut room),

@@ -36,6 +36,8 @@ impl Depends {
     pub const STATE: Depends = Depends(4096);
     /// The rate of a state of first order.
     pub const STATE_RATE: Depends = Depends(8192);
+    /// A held value, which events set.
+    pub const MEMORY: Depends = Depends(16384);
 
     /// What changes along a motion, but for accelerations.
     const MOVING: Depends =
@@ -59,6 +61,7 @@ impl Depends {
             Symbol::Acceleration(_) | Symbol::Reaction(_) => Depends::ACCELERATION,
             Symbol::State(_) => Depends::STATE,
             Symbol::StateRate(_) => Depends::STATE.and(Depends::STATE_RATE),
+            Symbol::Memory(_) => Depends::MEMORY,
             Symbol::Multiplier(_) => Depends::MULTIPLIER,
             Symbol::Input(_, order) => Depends::INPUT.and(match order {
                 0 => Depends(0),

@@ -53,6 +53,17 @@ pub fn expand(
     words: &str,
     place: &Place,
 ) -> Option<Family> {
+    expand_inside(builder, scope, indices, (words, place), &Rc::default())
+}
+
+/// As [`expand`], inside an entry whose indices it may name.
+pub fn expand_inside(
+    builder: &mut ExprBuilder,
+    scope: &Scope,
+    indices: &mut IndexNames,
+    (words, place): (&str, &Place),
+    outer: &Locals,
+) -> Option<Family> {
     let key = match parse_key(words) {
         Ok(key) => key,
         Err(found) => {
@@ -73,7 +84,7 @@ pub fn expand(
     }
     let ranges: Vec<Range> = key.indices.iter().map(as_range).collect();
     let at = Indices { scope, source: words, place };
-    let rows = match index::members(&at, builder, &mut Vec::new(), &ranges) {
+    let rows = match index::members(&at, builder, &mut outer.to_vec(), &ranges) {
         Ok(rows) => rows,
         Err(refusal) => {
             builder.told(refusal);
@@ -87,7 +98,8 @@ pub fn expand(
     let ranged = key.indices.iter().any(|index| matches!(index, KeyIndex::Range(_)));
     let member = |row: Vec<i64>| {
         let named = ranges.iter().zip(&row).filter(|(range, _)| !range.name.is_empty());
-        let locals = named.map(|(range, value)| (range.name.clone(), Local::Integer(*value))).collect();
+        let own = named.map(|(range, value)| (range.name.clone(), Local::Integer(*value)));
+        let locals = outer.iter().cloned().chain(own).collect();
         Expanded { base: key.name.clone(), indices: row, locals: Rc::new(locals) }
     };
     let members = rows.into_iter().map(member).collect();

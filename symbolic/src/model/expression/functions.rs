@@ -381,6 +381,7 @@ impl Lower<'_> {
                     });
                 }
                 (_, Member::State(place)) if *primes == 0 => return Some(Symbol::State(place)),
+                (_, Member::Memory(place)) if *primes == 0 => return Some(Symbol::Memory(place)),
                 (_, Member::Input(place, _)) => return Some(Symbol::Input(place, *primes)),
                 (_, Member::Parameter(place)) if *primes == 0 => return Some(Symbol::Parameter(place)),
                 (_, Member::Refused) => return None,

@@ -8,12 +8,13 @@ use std::collections::HashSet;
 
 use super::antiderivative::antiderivative;
 use super::builder::ExprBuilder;
+use super::facts::Depends;
 use super::lines::roots_of_linear;
 use super::quadrature::{gauss_legendre, tanh_sinh};
 use super::substitute::{bottom_up, degree, substitute};
 use super::trial::{Piece, Trial};
 use crate::diagnose::Place;
-use crate::diagnose::catalogue::names;
+use crate::diagnose::catalogue::{memory, names};
 use crate::expr::{Binary, DoubleDouble, Graph, Id, Node, Rational, Symbol, Unary};
 use crate::model::resolved::Tried;
 
@@ -45,6 +46,10 @@ const AGREEMENTS: [f64; 2] = [1e-24, 1e-18];
 
 /// ∫ e dx; 0 (and a problem at `place`) where no way to it is right.
 pub fn integral(builder: &mut ExprBuilder, e: Id, over: Over, words: &str, place: &Place) -> Id {
+    if builder.depends(&[e, over.limits[0], over.limits[1]]).meets(Depends::MEMORY) {
+        builder.problems.push(memory::integral_of_memory(place.clone(), words));
+        return Id::ZERO;
+    }
     if let Some(points) = polynomial_points(builder, e, over.symbol) {
         return gauss(builder, e, over, points, place);
     }

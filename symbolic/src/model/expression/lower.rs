@@ -8,7 +8,7 @@ use super::integral::{Over, integral};
 use super::rules::Rules;
 use super::scope::Scope;
 use super::value::{self, Value};
-use crate::diagnose::catalogue::{names, states, syntax};
+use crate::diagnose::catalogue::{memory, names, states, syntax};
 use crate::diagnose::{Place, Problem, did_you_mean};
 use crate::expr::{DoubleDouble, Id, Rational, Symbol};
 use crate::file::Text;
@@ -144,7 +144,9 @@ impl<'a> Lower<'a> {
         let motion = Depends::COORDINATE.and(Depends::VELOCITY).and(acceleration);
         let both = |kind: Depends| depends.meets(kind) && refused.meets(kind);
         let of_rate = what == super::rules::RATE_OF_STATE;
-        let problem = if of_rate && depends.meets(acceleration.and(Depends::MULTIPLIER).and(Depends::BEYOND_LINEAR)) {
+        let problem = if both(Depends::MEMORY) {
+            memory::memory_misplaced(place, words, what)
+        } else if of_rate && depends.meets(acceleration.and(Depends::MULTIPLIER).and(Depends::BEYOND_LINEAR)) {
             states::rate_of_solved(place, words)
         } else if both(Depends::STATE_RATE) {
             states::state_rate_misplaced(place, words, what)

@@ -193,6 +193,7 @@ impl Lower<'_> {
         match member {
             Member::Size(value) => Value::Scalar(self.builder.graph.integer(value)),
             Member::Parameter(place) => Value::Scalar(self.builder.graph.symbol(Symbol::Parameter(place))),
+            Member::Memory(place) => Value::Scalar(self.builder.graph.symbol(Symbol::Memory(place))),
             Member::Item(item) => self.item(item),
             Member::Body(body) => self.item(self.scope.bodies[body].position),
             Member::Reaction(place) => {

@@ -73,6 +73,7 @@ const REACTION: Depends = Depends::MULTIPLIER.and(Depends::BEYOND_LINEAR);
 const ACCELERATION: Depends = Depends::ACCELERATION.and(Depends::JERK).and(REACTION);
 const VELOCITY: Depends = ACCELERATION.and(Depends::VELOCITY);
 const STATE: Depends = Depends::STATE.and(Depends::STATE_RATE);
+const MEMORY: Depends = Depends::MEMORY;
 const MOTION: Depends = VELOCITY.and(Depends::COORDINATE).and(STATE);
 
 /// What the rate of a state is called in messages.
@@ -86,22 +87,22 @@ impl Rules {
 
     /// Of parameters and sizes only.
     pub const fn constant(what: &'static str) -> Rules {
-        Rules { refused: MOTION.and(Depends::TIME).and(Depends::INPUT), ..Rules::any(what) }
+        Rules { refused: MOTION.and(Depends::TIME).and(Depends::INPUT).and(MEMORY), ..Rules::any(what) }
     }
 
-    /// Of parameters, time and other inputs.
+    /// Of parameters, time, held values and other inputs.
     pub const fn signal(what: &'static str) -> Rules {
         Rules { refused: MOTION, signals: true, ..Rules::any(what) }
     }
 
-    /// Of parameters, time and inputs.
+    /// Of parameters, time, held values and inputs.
     pub const fn of_time(what: &'static str) -> Rules {
         Rules { refused: MOTION, ..Rules::any(what) }
     }
 
     /// Of coordinates, time and inputs.
     pub const fn position(what: &'static str) -> Rules {
-        Rules { refused: VELOCITY.and(STATE), ..Rules::any(what) }
+        Rules { refused: VELOCITY.and(STATE).and(MEMORY), ..Rules::any(what) }
     }
 
     /// Of coordinates, states of first order, time and inputs.
@@ -114,9 +115,9 @@ impl Rules {
         Rules { refused: ACCELERATION, ..Rules::any(what) }
     }
 
-    /// As [`Rules::velocity`], without states of first order.
+    /// As [`Rules::velocity`], without states of first order and held values.
     pub const fn mechanical(what: &'static str) -> Rules {
-        Rules { refused: ACCELERATION.and(STATE), ..Rules::any(what) }
+        Rules { refused: ACCELERATION.and(STATE).and(MEMORY), ..Rules::any(what) }
     }
 
     /// As [`Rules::velocity`], and of reactions, linearly.
@@ -127,12 +128,12 @@ impl Rules {
 
     /// As [`Rules::velocity`], without discontinuities.
     pub const fn constraint() -> Rules {
-        Rules { refused: ACCELERATION.and(STATE).and(Depends::SWITCH), ..Rules::any("a constraint") }
+        Rules { refused: ACCELERATION.and(STATE).and(MEMORY).and(Depends::SWITCH), ..Rules::any("a constraint") }
     }
 
     /// Of coordinates, time and inputs, without discontinuities.
     pub const fn joint(what: &'static str) -> Rules {
-        Rules { refused: VELOCITY.and(STATE).and(Depends::SWITCH), ..Rules::any(what) }
+        Rules { refused: VELOCITY.and(STATE).and(MEMORY).and(Depends::SWITCH), ..Rules::any(what) }
     }
 
     /// Of everything but accelerations, and energies.

@@ -20,6 +20,8 @@ pub enum Section {
     Coordinate,
     /// `states`
     State,
+    /// `memory`
+    Memory,
     /// `inputs`
     Input,
     /// `define`
@@ -50,6 +52,7 @@ impl Section {
             Section::Parameter => "parameters",
             Section::Coordinate => "coordinates",
             Section::State => "states",
+            Section::Memory => "memory",
             Section::Input => "inputs",
             Section::Definition => "define",
             Section::Frame => "frames",
@@ -70,6 +73,7 @@ impl Section {
             Section::Parameter => "a parameter",
             Section::Coordinate => "a coordinate",
             Section::State => "a state",
+            Section::Memory => "a held value",
             Section::Input => "an input",
             Section::Definition => "a definition",
             Section::Frame => "a frame",
@@ -97,6 +101,8 @@ pub enum Member {
     Rotation(usize),
     /// A state of first order, by its place among the states.
     State(u32),
+    /// A held value, by its place.
+    Memory(u32),
     /// An input, by its place, and the item that holds its expression.
     Input(u32, usize),
     /// A derived parameter, definition or point: the item that holds its value.
@@ -229,6 +235,8 @@ pub struct Units {
     pub coordinates: Vec<Measure>,
     /// Of states of first order, by their place.
     pub states: Vec<Measure>,
+    /// Of held values, by their place.
+    pub memory: Vec<Measure>,
     /// Of items.
     pub items: Vec<Measure>,
     /// Of the model's energies.
@@ -242,6 +250,7 @@ impl Default for Units {
             parameters: Vec::new(),
             coordinates: Vec::new(),
             states: Vec::new(),
+            memory: Vec::new(),
             items: Vec::new(),
             energy: Measure::Unknown,
         }

@@ -123,6 +123,8 @@ impl State {
                 self.inputs.get(k as usize).and_then(|u| u.get(usize::from(order))).copied().unwrap_or(f64::NAN)
             }
             Symbol::Parameter(k) => self.parameters.get(k as usize).copied().unwrap_or(f64::NAN),
+            // No place of a body contains one.
+            Symbol::Memory(_) => 0.0,
             Symbol::Mode(_) | Symbol::Reaction(_) | Symbol::Multiplier(_) | Symbol::Phase(_) | Symbol::Dummy(_) => {
                 f64::NAN
             }

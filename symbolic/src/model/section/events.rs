@@ -2,17 +2,27 @@
 
 use std::collections::BTreeMap;
 
-use crate::diagnose::catalogue::{mechanics, names, sections};
+use crate::diagnose::catalogue::{mechanics, memory, names, sections};
 use crate::diagnose::did_you_mean_or;
 use crate::expr::Id;
-use crate::file::{Node, Spot};
+use crate::file::{Node, Spot, Text};
 use crate::language::{AstKind, parse};
 use crate::model::expression::dimension::Dimension;
 use crate::model::expression::families::Locals;
 use crate::model::expression::rules::Rules;
 use crate::model::expression::scope::Section;
-use crate::model::resolved::{Event, EventAction};
+use crate::model::resolved::{Event, EventAction, Trigger};
 use crate::model::resolver::Resolver;
+
+/// When an event happens, as written.
+enum Cause<'a> {
+    /// Where a function is zero.
+    Zero(Text),
+    /// At the ticks of a period, with the first of them.
+    Ticks(Spot<'a>, Option<Spot<'a>>),
+    /// When something was set.
+    Set(Spot<'a>),
+}
 
 const RESTITUTION: Rules = Rules::constant("a coefficient of restitution").si(Dimension::ONE);
 
@@ -23,12 +33,16 @@ impl Resolver<'_> {
         for (key, spot) in self.section("events") {
             let Some(family) = self.expand(key, &spot) else { continue };
             let problems = &mut self.builder.problems;
-            if !spot.only(&["when", "direction", "if", "then", "phase"], "an event", problems) {
+            if !spot.only(
+                &["when", "every", "on_set", "direction", "from", "if", "then", "phase"],
+                "an event",
+                problems,
+            ) {
                 continue;
             }
-            let when = spot.need("when", "an event", problems).and_then(|when| when.text(problems));
             let condition = spot.get("if").and_then(|condition| condition.text(problems));
             let direction = spot.get("direction").map_or(0, |direction| self.direction(&direction));
+            let Some(cause) = self.cause(&spot, &family.key.name) else { continue };
             let then = spot.need("then", "an event", &mut self.builder.problems);
             for member in &family.members {
                 let name = member.name();
@@ -39,13 +53,54 @@ impl Resolver<'_> {
                 let phases = self.phase_key(&spot, &member.locals);
                 let active = phases.clone().flatten().unwrap_or_else(|| (0..self.model.phases.len()).collect());
                 let actions = then.as_ref().map(|then| self.actions(then, &active, &member.locals));
-                let when = when.as_ref().and_then(|when| self.scalar(when, rules, &member.locals));
+                let happens = self.happens(&cause, &member.locals);
                 let condition = condition.as_ref().and_then(|text| self.scalar(text, rules, &member.locals));
-                let (Some(when), Some(phases)) = (when, phases) else { continue };
+                let (Some((trigger, when)), Some(phases)) = (happens, phases) else { continue };
                 let actions = actions.unwrap_or_default();
                 let place = spot.place.clone();
-                self.model.events.push(Event { name, when, condition, direction, phases, actions, place });
+                self.model.events.push(Event { name, trigger, when, condition, direction, phases, actions, place });
             }
+        }
+    }
+
+    /// What an entry says of when it happens; a key of another kind of event is reported.
+    fn cause<'a>(&mut self, spot: &Spot<'a>, name: &str) -> Option<Cause<'a>> {
+        let problems = &mut self.builder.problems;
+        let (when, every, on_set) = (spot.get("when"), spot.get("every"), spot.get("on_set"));
+        let cause = match (when, every, on_set) {
+            (Some(when), None, None) => Cause::Zero(when.text(problems)?),
+            (None, Some(every), None) => Cause::Ticks(every, spot.get("from")),
+            (None, None, Some(on_set)) => Cause::Set(on_set),
+            (None, None, None) if spot.misspelt(problems) => return None,
+            (None, None, None) => {
+                problems.push(sections::missing_key(spot.place.of_key(), "when", "an event"));
+                return None;
+            }
+            _ => {
+                problems.push(memory::unclear_trigger(spot.place.of_key(), name));
+                return None;
+            }
+        };
+        for (key, of, fits) in [
+            ("direction", "when", matches!(cause, Cause::Zero(_))),
+            ("from", "every", matches!(cause, Cause::Ticks(..))),
+        ] {
+            if let Some(other) = spot.get(key).filter(|_| !fits) {
+                problems.push(memory::key_of_other_trigger(other.place.of_key(), key, of));
+            }
+        }
+        Some(cause)
+    }
+
+    /// What makes a member of a family of events happen, and its function.
+    fn happens(&mut self, cause: &Cause<'_>, locals: &Locals) -> Option<(Trigger, Id)> {
+        match cause {
+            Cause::Zero(when) => {
+                let when = self.scalar(when, Rules::anything("an event"), locals)?;
+                Some((Trigger::Zero, when))
+            }
+            Cause::Ticks(every, from) => Some((Trigger::Tick(self.clock(every, from.as_ref(), locals)?), Id::ONE)),
+            Cause::Set(names) => Some((Trigger::Set(self.set_names(names, locals)?), Id::ONE)),
         }
     }
 
@@ -72,6 +127,7 @@ impl Resolver<'_> {
         let mut actions: Vec<EventAction> = Vec::new();
         for item in items {
             let action = match item.node {
+                Node::Map(_) if item.get("set").is_some() => self.set_action(&item, locals),
                 Node::Map(_) => self.impact(&item, active, locals),
                 _ => self.action(&item, locals),
             };

@@ -17,6 +17,7 @@ pub mod inertia;
 mod joint_rows;
 pub mod joints;
 pub mod loads;
+pub mod memory;
 pub mod motions;
 pub mod parameters;
 pub mod phases;

@@ -166,7 +166,11 @@ impl Resolver<'_> {
 }
 
 /// One value per member; `None` when wrong (reported).
-fn values(spot: &Spot<'_>, family: &KeyFamily, problems: &mut Vec<crate::diagnose::Problem>) -> Option<Vec<Quantity>> {
+pub fn values(
+    spot: &Spot<'_>,
+    family: &KeyFamily,
+    problems: &mut Vec<crate::diagnose::Problem>,
+) -> Option<Vec<Quantity>> {
     if spot.items().is_some() {
         if !family.ranged {
             spot.wrong_shape("one number; a list goes with a family, `x[i in 1..3]`", problems);

@@ -98,6 +98,7 @@ impl Resolver<'_> {
             every: None,
             set: Vec::new(),
             need: None,
+            memory: self.model.memory.iter().map(|held| held.start).collect(),
         };
         self.unturned(&mut scene.q);
         if let Some(phase) = get("phase") {
@@ -253,7 +254,10 @@ impl Resolver<'_> {
         let places: BTreeMap<String, Spot<'_>> =
             entries.iter().map(|(key, spot, _)| ((*key).to_owned(), spot.clone())).collect();
         for (key, spot, family) in entries {
-            if self.start_rotations(&spot, &family, &places, scene) || self.start_states(key, &spot, &family, scene) {
+            if self.start_rotations(&spot, &family, &places, scene)
+                || self.start_states(key, &spot, &family, scene)
+                || self.start_memory(&spot, &family, scene)
+            {
                 continue;
             }
             if family.key.primes > 1 {

@@ -1,0 +1,153 @@
+//! `modes --sampled`: loops that ticks close.
+
+use std::io::Write;
+
+use clap::ArgMatches;
+use clap::parser::ValueSource;
+use nalgebra::{Complex, DMatrix};
+use serde_json::{Value, json};
+
+use super::super::json::{number, object};
+use super::super::load::{Loaded, pairs};
+use super::super::{Problem, json};
+use super::states::OF_MODES;
+use super::{MOST_PRINTED, failed};
+use crate::linear::{Guess, SampledLoop, linearise_sampled, short};
+use crate::mechanism::System;
+
+/// Times at which inputs are looked at, s: those that are the same at all are constant.
+const LOOKS: [f64; 4] = [0.0, 0.37, 11.9, 1234.5];
+
+/// Finds the rest of the loop and its map, and prints the eigenvalues.
+pub fn run(loaded: &Loaded, options: &ArgMatches, guess: Guess, out: &mut dyn Write) -> Result<(), Problem> {
+    let given = |option: &&str| options.value_source(option) == Some(ValueSource::CommandLine);
+    if let Some(option) = OF_MODES.into_iter().chain(["steady", "here"]).find(given) {
+        return Err(Problem::Usage(format!(
+            "error: --{option} is for small motions that are not sampled: leave it out, or leave out --sampled for the open loop"
+        )));
+    }
+    let system = &*loaded.system;
+    let guess = Guess { inputs: inputs(loaded, options, &guess.inputs)?, ..guess };
+    let found = linearise_sampled(system, &guess, system.memory()).map_err(failed)?;
+    match options.get_flag("json") {
+        true => Ok(json::write(&as_json(&loaded.name, &found, system), out)?),
+        false => table(&loaded.name, &found, system, out),
+    }
+}
+
+/// Inputs as they are given; those that are not, and do not change, keep the file's value: set points of the loop.
+fn inputs(loaded: &Loaded, options: &ArgMatches, held: &[f64]) -> Result<Vec<f64>, Problem> {
+    let names = &loaded.system.description().inputs;
+    let at = LOOKS.map(|t| {
+        let mut values = vec![0.0; 3 * names.len()];
+        loaded.system.inputs(t, &mut values);
+        values
+    });
+    let given = pairs(options, "input")?;
+    let value = |(k, name): (usize, &_)| {
+        let constant = at.iter().all(|values| values[3 * k..3 * k + 3] == at[0][3 * k..3 * k + 3]);
+        if given.iter().any(|(known, _)| known == name) || !constant { held[k] } else { at[0][3 * k] }
+    };
+    Ok(names.iter().enumerate().map(value).collect())
+}
+
+/// The periods of all clocks, s.
+fn periods(system: &dyn System) -> Vec<f64> {
+    system.clocks().iter().map(|[_, every]| *every).collect()
+}
+
+fn table(name: &str, found: &SampledLoop, system: &dyn System, out: &mut dyn Write) -> Result<(), Problem> {
+    writeln!(out, "{name}: the loop closed by ticks rests at {found}")?;
+    writeln!(out, "  {:.1e} of its terms left of an equation at most", found.residual)?;
+    let list = |names: &[String]| names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+    if !found.unread.is_empty() {
+        writeln!(out, "  left out, for nothing reads it but what sets it: {}", list(&found.unread))?;
+    }
+    if !found.frozen.is_empty() {
+        writeln!(out, "  left out, for they set something, but at no tick: the events {}", list(&found.frozen))?;
+    }
+    let (period, instants) = (short(found.period), found.instants);
+    let s = if instants == 1 { "" } else { "s" };
+    writeln!(
+        out,
+        "a period of {period} s with {instants} instant{s} of ticks: x ↦ P x, x = [{}]",
+        found.variables.join(", ")
+    )?;
+    if found.variables.len() <= MOST_PRINTED {
+        writeln!(out, "  P =")?;
+        for row in found.matrix.row_iter() {
+            writeln!(out, "    [{}]", row.iter().map(|x| short(*x)).collect::<Vec<_>>().join(", "))?;
+        }
+    }
+    for (z, s) in found.multipliers.iter().zip(&found.exponents).filter(|(z, _)| z.im >= 0.0) {
+        writeln!(out, "  z = {}, |z| = {}, ln z/T = {} 1/s", complex(*z), short(z.norm()), complex(*s))?;
+    }
+    if found.forgotten > 0 {
+        writeln!(
+            out,
+            "  and {} that {} 0: held values that the next tick forgets",
+            found.forgotten,
+            are(found.forgotten)
+        )?;
+    }
+    for k in found.aliased() {
+        if found.exponents[k].im >= 0.0 {
+            writeln!(
+                out,
+                "  warning: z = {} turns almost half round in a period: what vibrates faster than {} Hz looks slower when it is seen so seldom",
+                complex(found.multipliers[k]),
+                short(0.5 / found.period)
+            )?;
+        }
+    }
+    writeln!(
+        out,
+        "stability: {}",
+        if found.is_stable() { "departures die out" } else { "some departures do not die out" }
+    )?;
+    match found.critical_factor {
+        Some(factor) => {
+            let periods: Vec<String> = periods(system).iter().map(|every| format!("{:?} s", factor * every)).collect();
+            writeln!(out, "  some |z| is 1 from a period of {} on", periods.join(", "))?;
+        }
+        None => writeln!(out, "  no period was found from which on some |z| is 1")?,
+    }
+    Ok(())
+}
+
+fn are(count: usize) -> &'static str {
+    if count == 1 { "is" } else { "are" }
+}
+
+/// `0.9 ± 0.1i`; a number alone where it is real.
+fn complex(z: Complex<f64>) -> String {
+    if z.im == 0.0 { short(z.re) } else { format!("{} ± {}i", short(z.re), short(z.im.abs())) }
+}
+
+fn as_json(name: &str, found: &SampledLoop, system: &dyn System) -> Value {
+    let named = |list: &[(String, f64)]| object(list.iter().map(|(name, value)| (name.clone(), number(*value))));
+    let pair = |x: &Complex<f64>| Value::Array(vec![number(x.re), number(x.im)]);
+    let matrix = |m: &DMatrix<f64>| -> Value {
+        m.row_iter().map(|row| row.iter().map(|x| number(*x)).collect::<Vec<_>>()).collect::<Vec<_>>().into()
+    };
+    let critical =
+        found.critical_factor.map(|factor| periods(system).iter().map(|every| number(factor * every)).collect());
+    object([
+        ("model", json!(name)),
+        ("equilibrium", named(&found.place)),
+        ("memory", named(&found.memory)),
+        ("unread", json!(found.unread)),
+        ("frozen", json!(found.frozen)),
+        ("residual", number(found.residual)),
+        ("period", number(found.period)),
+        ("instants", json!(found.instants)),
+        ("variables", json!(found.variables)),
+        ("map", matrix(&found.matrix)),
+        ("z", found.multipliers.iter().map(pair).collect::<Vec<_>>().into()),
+        ("forgotten", json!(found.forgotten)),
+        ("s", found.exponents.iter().map(pair).collect::<Vec<_>>().into()),
+        ("aliased", json!(found.aliased())),
+        ("stable", json!(found.is_stable())),
+        ("critical_periods", critical.map_or(Value::Null, |list: Vec<Value>| list.into())),
+    ])
+}

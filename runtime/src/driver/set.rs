@@ -1,0 +1,89 @@
+//! Ticks of clocks, and what events set.
+
+use super::{Integration, StopReason};
+use crate::cause::Cause;
+use crate::events::{EventLocator, Fired};
+use crate::mechanism::{At, System, Target, Trigger};
+use crate::run::Recorder;
+
+/// What was set at an instant since it was looked at last.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Assigned {
+    /// Which held values were.
+    held: Vec<bool>,
+    /// Whether anything was.
+    pub any: bool,
+}
+
+impl Integration {
+    /// Does what the events of the earliest ticks that have come say.
+    pub(super) fn tick(&mut self, system: &mut dyn System, recorder: &mut Recorder) -> Result<StopReason, Box<Cause>> {
+        let events = self.ticks.take(self.clock.now());
+        let Some(mut locator) = self.locator.take() else { return Ok(StopReason::Arrived) };
+        let fired = locator.pending(system, events.into_iter());
+        let outcome = if fired.is_empty() {
+            Ok(StopReason::Arrived)
+        } else {
+            recorder.leave(system, self.clock.now(), self.stepper.start());
+            self.act(system, fired, &mut locator, recorder)
+        };
+        self.locator = Some(locator);
+        outcome
+    }
+
+    /// Sets what one `set` says, all of it from the values before.
+    ///
+    /// # Errors
+    /// [`Cause::NonFinite`] names what would not be a number.
+    pub(super) fn assign(
+        &mut self,
+        system: &mut dyn System,
+        (event, set): (usize, usize),
+        assigned: &mut Assigned,
+    ) -> Result<(), Box<Cause>> {
+        let (n, sampling) = (system.len(), system.sampling());
+        let (first, targets) = (sampling.first_of_set(set), sampling.sets[set].to_vec());
+        let mut values = vec![0.0; sampling.assignments()];
+        let (mut a, mut lambda) = (vec![0.0; n], vec![0.0; system.description().rows.len()]);
+        let y = self.stepper.start().y;
+        let at = At::packed(self.clock.now(), y, n);
+        if sampling.sets_use_accelerations {
+            system
+                .accelerations_and_multipliers(at, &mut a, &mut lambda)
+                .map_err(|fault| crate::integrate::StepFailure::from(fault).cause(system.description()))?;
+        }
+        system.assignments(at.accelerated(&a).constrained(&lambda), &mut values);
+        let mut memory = system.memory().to_vec();
+        assigned.held.resize(memory.len(), false);
+        for (target, value) in targets.iter().zip(&values[first..]) {
+            if !value.is_finite() {
+                let name = match target {
+                    Target::Memory(place) => system.sampling().memory[*place as usize].name.to_string(),
+                    Target::State(place) => system.description().coordinate_name(*place as usize),
+                };
+                let what = format!("`{name}`, set by `{}`,", system.description().events[event].name);
+                return Err(Cause::NonFinite { what }.into());
+            }
+            match target {
+                Target::Memory(place) => {
+                    memory[*place as usize] = *value;
+                    assigned.held[*place as usize] = true;
+                }
+                Target::State(place) => self.stepper.state_mut()[n + *place as usize] = *value,
+            }
+        }
+        system.set_memory(&memory);
+        assigned.any = true;
+        Ok(())
+    }
+
+    /// Events that follow what was set, in file order, each once.
+    pub(super) fn consequences(&self, system: &dyn System, assigned: &Assigned, locator: &EventLocator) -> Vec<Fired> {
+        let triggers = system.sampling().triggers.iter().enumerate();
+        let follows = |(_, trigger): &(usize, &Trigger)| match trigger {
+            Trigger::Set(held) => held.iter().any(|place| assigned.held.get(*place as usize) == Some(&true)),
+            _ => false,
+        };
+        locator.pending(system, triggers.filter(follows).map(|(event, _)| event))
+    }
+}
