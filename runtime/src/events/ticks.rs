@@ -124,9 +124,9 @@ impl Ticking {
     }
 }
 
-/// Whether times are one instant.
+/// Whether times are one instant; one that is infinite is no other one.
 fn same(a: f64, b: f64) -> bool {
-    (a - b).abs() <= SAME * a.abs().max(b.abs())
+    (a - b).abs() <= SAME * a.abs().min(b.abs())
 }
 
 /// The number of the first tick that is not before t.

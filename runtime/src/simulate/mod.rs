@@ -29,6 +29,7 @@ pub(crate) use builder::{Described, Origin};
 pub(crate) use builder::{LAGRANGE, derivation};
 pub use by_hand::{StateMut, Stepping};
 pub(crate) use comparison::estimate_global_error;
+#[cfg(feature = "cli")]
 pub(crate) use settings::Resumed;
 pub use settings::Settings;
 pub use typed::Simulate;

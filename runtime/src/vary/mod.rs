@@ -21,7 +21,9 @@ use crate::error::NoSlopes;
 pub(crate) use junction::put;
 pub(crate) use leg::{Leg, leg};
 pub(crate) use second::{Second, TOLD, finer, second};
-pub(crate) use slopes::{Point, Varied, named, run_with_slopes, unknown, varied};
+#[cfg(feature = "cli")]
+pub(crate) use slopes::run_with_slopes;
+pub(crate) use slopes::{Point, Varied, named, unknown, varied};
 pub use slopes::{Slope, Slopes};
 
 /// Something that a motion depends on.
