@@ -219,6 +219,26 @@ fn the_simplest_walker_walks_on_feet_of_next_to_no_mass() {
     let threshold = &found["thresholds"][0];
     assert_eq!(threshold["kind"], "doubling");
     near(number(&threshold["value"]), number(&known["period_doubling"]["slope"]), 1e-10);
+    // There a gait of two unequal steps leaves, which doubles again.
+    let values = ["--vary", "slope=0.015,0.0155,0.016,0.0178", "--branch", "1"];
+    let doubled = told(&[&[file.as_str()][..], &STEP, &values].concat()).unwrap();
+    for expected in known["doubled"].as_array().unwrap() {
+        let member = doubled["members"].as_array().unwrap().iter();
+        let mut member = member.filter(|member| number(&member["value"]) == number(&expected["slope"]));
+        let member = member.next().unwrap_or_else(|| panic!("{doubled}"));
+        // It may begin with either step.
+        let steps = expected["states"].as_array().unwrap();
+        let apart = |step: &&Value| (number(&member["start"]["p"]) - number(&step["theta"])).abs();
+        let step = steps.iter().min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap();
+        near(number(&member["start"]["p"]), number(&step["theta"]), 1e-11);
+        near(number(&member["start"]["p'"]), number(&step["thetadot"]), 1e-11);
+        let whole: f64 = steps.iter().map(|step| number(&step["step_time"])).sum();
+        near(number(&member["period"]), whole, 1e-10);
+        multiplied(&member["multipliers"], &expected["multipliers"], 1e-9);
+    }
+    let threshold = &doubled["thresholds"][0];
+    assert_eq!(threshold["kind"], "doubling", "{}", doubled["thresholds"]);
+    holds(threshold, number(&known["second_doubling"]["slope"]), 1e-9);
     // Three steps of a gait are three steps, and not one of another.
     let again = told(&[&[file.as_str(), "--count", "2"][..], &STEP].concat()).unwrap();
     assert_eq!(again["repeats"], 3);

@@ -126,11 +126,12 @@ impl OrbitSearch {
         let mut walk = Walk { begun, varied, nullity: None, aside: 0 };
         let start = walk.node(point, None)?;
         walk.nullity = Some(start.solution.linear.free().len());
-        let (family, thresholds) = walk.along(start, name, values);
+        let goal = values.last().copied().unwrap_or(first);
+        let (family, thresholds) = walk.along(Walk::towards(start, goal), name, values);
         let Some(number) = branch else { return Ok(family) };
         match number.checked_sub(1).and_then(|k| thresholds.get(k)) {
             Some((node, kind)) => {
-                let start = walk.switch(node, *kind)?;
+                let start = walk.switch(node, *kind, values)?;
                 Ok(walk.along(start, name, values).0)
             }
             None => Err(NoOrbit::NoThreshold { number, known: thresholds.len() }.into()),

@@ -15,6 +15,8 @@ use crate::run::Names;
 const FIRST: f64 = 0.02;
 /// A step that is shorter than this does not get on: motions are known to some twelve digits.
 const SHORTEST: f64 = 1e-7;
+/// A family that leaves another one begins at this distance from it at least: nearer to it the two are hardly told apart.
+const NEAREST: f64 = 1e-3;
 /// No member differs from the one before by more than this part of how far it goes, lest pictures of a family have corners.
 const LONGEST: f64 = 0.3;
 /// Steps grow where Newton's method takes so many steps or fewer, and shrink where it takes so many or more.
@@ -69,7 +71,10 @@ impl Walk {
         let mut tangent = self.tangent(&solution, &spectrum, (free, before));
         if let Some(before) = before.filter(|before| tangent.dot(before) < ALONG * before.norm() * tangent.norm()) {
             // Where another family crosses, more than one direction leads on: the one that goes on as before does.
-            tangent = self.tangent(&solution, &spectrum, (free + 1, Some(before)));
+            let other = self.tangent(&solution, &spectrum, (free + 1, Some(before)));
+            if (&solution.trial.j * &other).norm() <= SOLVES * other.norm() {
+                tangent = other;
+            }
         }
         if tangent.norm() == 0.0 {
             let name = match self.varied {
@@ -159,9 +164,8 @@ impl Walk {
         }
     }
 
-    /// Walks from a member towards the last of some values, until it has left the range of all, its own included.
+    /// Walks from a member on, until it has left the range of some values, its own included.
     pub fn along(&mut self, start: Node, name: &str, values: &[f64]) -> (Family, Vec<(Node, OrbitChange)>) {
-        let goal = values.last().copied().unwrap_or(start.value);
         let all = || values.iter().copied().chain([start.value]);
         let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
         let laps = &self.begun.laps;
@@ -177,10 +181,6 @@ impl Walk {
         };
         let mut changes = Vec::new();
         let mut node = start;
-        if node.slope * (goal - node.value) < 0.0 {
-            node.tangent = -node.tangent;
-            node.slope = -node.slope;
-        }
         let size = |node: &Node| (node.solution.point.starts.len() as f64).sqrt();
         let mut h = FIRST * size(&node);
         while high > low && (low..=high).contains(&node.value) {
@@ -281,8 +281,17 @@ impl Walk {
         }
     }
 
-    /// The first member of the family that leaves at a threshold.
-    pub fn switch(&mut self, node: &Node, kind: OrbitChange) -> Result<Node, Error> {
+    /// A member that is to lead towards a value.
+    pub fn towards(mut node: Node, goal: f64) -> Node {
+        if node.slope * (goal - node.value) < 0.0 {
+            node.tangent = -node.tangent;
+            node.slope = -node.slope;
+        }
+        node
+    }
+
+    /// The first member of the family that leaves at a threshold, so near that none of some values is passed on the way.
+    pub fn switch(&mut self, node: &Node, kind: OrbitChange, values: &[f64]) -> Result<Node, Error> {
         let laps = &mut self.begun.laps;
         laps.scales.clone_from(&node.scales);
         let sign = if kind == OrbitChange::Doubling { -1.0 } else { 1.0 };
@@ -312,13 +321,21 @@ impl Walk {
         let all = parts.iter().flat_map(|part| part.iter().copied());
         let tail = std::iter::repeat(0.0);
         let along = DVector::from_iterator(size, all.chain(tail).take(size)).normalize();
-        let step = FIRST * (point.starts.len() as f64).sqrt();
-        let guess = laps.moved(&point, &along, step);
-        // So far away the family that is left is no solution, and the parameter, or the energy, is what it must be.
-        laps.condition = Some(Condition::Away { from: point, along: along.clone(), by: step });
-        let found = laps.solve(guess, self.nullity.map(|count| count.saturating_sub(1)));
-        laps.condition = None;
-        self.node(found?.point, Some(&along))
+        let mut step = FIRST * (point.starts.len() as f64).sqrt();
+        loop {
+            let laps = &mut self.begun.laps;
+            let guess = laps.moved(&point, &along, step);
+            // So far away the family that is left is no solution, and the parameter, or the energy, is what it must be.
+            laps.condition = Some(Condition::Away { from: point.clone(), along: along.clone(), by: step });
+            let found = laps.solve(guess, self.nullity.map(|count| count.saturating_sub(1)));
+            laps.condition = None;
+            let first = self.node(found?.point, Some(&along))?;
+            let passed = |value: &f64| (value - node.value) * (first.value - value) > 0.0;
+            if !values.iter().any(passed) || step < NEAREST {
+                return Ok(first);
+            }
+            step *= 0.5;
+        }
     }
 }
 
