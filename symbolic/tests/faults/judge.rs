@@ -66,6 +66,9 @@ pub struct Route {
     friction: Tape,
 }
 
+/// Held values are any numbers, the same at all moments.
+const HELD: f64 = 0.71;
+
 /// What a state does not hold itself: inputs with two rates, and the modes of discontinuities.
 pub struct Known<'m, S> {
     pub moment: &'m Moment,
@@ -80,6 +83,7 @@ impl<S: Scalar> Known<'_, S> {
         let found = self.moment.value(symbol).or_else(|| match symbol {
             Symbol::Input(k, order) => self.inputs.get(k as usize)?.get(usize::from(order)).copied(),
             Symbol::Mode(k) => self.modes.get(k as usize).copied(),
+            Symbol::Memory(j) => Some(S::constant(DoubleDouble::from(HELD * f64::from(j + 1)))),
             _ => None,
         });
         found.unwrap_or(zero)
