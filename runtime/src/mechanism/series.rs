@@ -168,7 +168,7 @@ impl Jets {
             Recurrence::Square(a) => {
                 let half = k.div_ceil(2);
                 let pairs = if half > 0 { self.convolve(of(a), a, k, (0, half - 1)) } else { 0.0 };
-                let middle = if k % 2 == 0 { of(a)[k / 2] } else { 0.0 };
+                let middle = if k.is_multiple_of(2) { of(a)[k / 2] } else { 0.0 };
                 2.0 * pairs + middle * middle
             }
             Recurrence::Quotient(a, b) if first => of(a)[0] / of(b)[0],

@@ -113,9 +113,9 @@ impl Expansion {
         }
         self.kkt.solve(forces, bends);
         let order = (k + 1) as f64;
-        for i in 0..n {
-            self.accelerations[i * WIDTH + ORDER - k] = forces[i];
-            self.state[(n + i) * WIDTH + k + 1] = self.unit * forces[i] / order;
+        for (i, acceleration) in forces.iter().enumerate() {
+            self.accelerations[i * WIDTH + ORDER - k] = *acceleration;
+            self.state[(n + i) * WIDTH + k + 1] = self.unit * acceleration / order;
             self.state[i * WIDTH + k + 1] = self.unit * self.state[(n + i) * WIDTH + k] / order;
         }
         for (r, multiplier) in bends.iter().enumerate() {
