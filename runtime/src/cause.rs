@@ -171,11 +171,43 @@ pub enum Cause {
         /// When, s.
         t: f64,
     },
+    /// Taylor's method expands the motion in a power series, and there is none any more.
+    NoSeries {
+        /// What stands in the way.
+        reason: NoSeries,
+    },
     /// More steps than `max_steps`.
     TooManySteps {
         /// The limit.
         limit: u64,
     },
+}
+
+/// Why a motion has no power series.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum NoSeries {
+    /// The equations contain a function without one, or code was generated without the recurrences.
+    Functions,
+    /// An input is given, or held, by the program that runs.
+    Inputs,
+    /// Forces are made of reactions.
+    Friction,
+    /// Accelerations do not come from Lagrange's equations with multipliers.
+    Accelerations,
+}
+
+impl fmt::Display for NoSeries {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            NoSeries::Functions => "its equations contain a table, or its code has no recurrences: `model!(…, methods = \"taylor\")`",
+            NoSeries::Inputs => "an input is given by the program, so that only its values are known",
+            NoSeries::Friction => "its forces are made of reactions, as friction is",
+            NoSeries::Accelerations => {
+                "accelerations come from balances, the null space, springs or Baumgarte's stabilisation; take Lagrange's equations and `multipliers`"
+            }
+        })
+    }
 }
 
 /// Three angles that turn a frame one after the other, at a value of the middle one where the outer two turn about one axis: some of their
@@ -228,6 +260,7 @@ impl Cause {
             Cause::GimbalLock { .. } => "gimbal lock",
             Cause::InfiniteForce { .. } => "infinite force",
             Cause::OscillatesTooFast { .. } => "oscillates too fast",
+            Cause::NoSeries { .. } => "no power series",
             Cause::TooManySteps { .. } => "too many steps",
         }
     }
@@ -357,6 +390,7 @@ impl fmt::Display for Cause {
                 f,
                 "`{function}` oscillates too fast: more than 100000 samples in one step do not tell its zeros apart"
             ),
+            Cause::NoSeries { reason } => write!(f, "there is no power series any more, since {reason}"),
             Cause::TooManySteps { limit } => {
                 write!(f, "more than {limit} steps; raise `max_steps` (`--max-steps`) to go on")
             }

@@ -57,11 +57,11 @@ mod testing;
 pub mod trust;
 mod vary;
 
-pub use cause::{Cause, GimbalLock};
+pub use cause::{Cause, GimbalLock, NoSeries};
 pub use constrain::Residuals;
 #[cfg(feature = "macros")]
 pub use dalembert_macros::model;
-pub use error::{Error, Inseparable, NoOrbit, NoSeries, NoSlopes, Nonlinear, NotFound};
+pub use error::{Error, Inseparable, NoOrbit, NoSlopes, Nonlinear, NotFound};
 pub use mechanism::{Enforcement, Method, ParseMethodError, Stabilisation};
 pub use run::{Digits, Failure, Impulse, Occurrence, Run, RunPart, State, Symmetry, Trust, Work};
 pub use simulate::{Settings, Simulate, Simulation, StateMut, Stepping, simulate, simulate_with};

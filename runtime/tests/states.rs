@@ -1,9 +1,12 @@
 //! States of first order against matrix exponentials and Taylor series in 40 digits, and what is refused.
 #![cfg(all(feature = "cli", feature = "modal"))]
 
+mod program;
+
 use dalembert::mechanism::{At, Dynamic, Interpreted, System};
 use dalembert::{Method, Simulate};
 use dalembert_symbolic::lower::compile;
+use program::{File, json, near, reference, run};
 use serde_json::Value;
 
 dalembert::model!("../models/motor.yaml");
@@ -12,57 +15,14 @@ dalembert::model!("../tests/states/thermostat.yaml");
 
 const MODELS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../models");
 
-/// The numbers that were computed elsewhere.
-fn reference(name: &str) -> Value {
-    let path = format!("{}/../tests/reference/states/{name}.json", env!("CARGO_MANIFEST_DIR"));
-    let text = std::fs::read_to_string(path).expect("the reference");
-    serde_json::from_str::<Value>(&text).expect("JSON")["values"].clone()
-}
-
-/// What a command prints, or its error.
-fn run(arguments: &[&str]) -> Result<String, String> {
-    let mut out = Vec::new();
-    let all = [&["dalembert"], arguments].concat();
-    dalembert::cli::run(&[], all, &mut out).map_err(|problem| problem.to_string())?;
-    Ok(String::from_utf8(out).expect("text"))
-}
-
-fn json(arguments: &[&str]) -> Value {
-    let text = run(&[arguments, &["--json"]].concat()).unwrap_or_else(|problem| panic!("{problem}"));
-    serde_json::from_str(&text).unwrap_or_else(|problem| panic!("{problem}\n{text}"))
-}
-
 /// The file of a model, of the library or of these tests.
 fn model(name: &str) -> String {
     let own = format!("{MODELS}/../tests/states/{name}.yaml");
     if std::path::Path::new(&own).exists() { own } else { format!("{MODELS}/{name}.yaml") }
 }
 
-/// A file with this text.
-struct File(String);
-
-impl File {
-    fn new(name: &str, text: &str) -> File {
-        let path = std::env::temp_dir().join(format!("dalembert-states-{name}-{}.yaml", std::process::id()));
-        std::fs::write(&path, text).expect("a file");
-        File(path.to_str().expect("a path").to_owned())
-    }
-}
-
-impl Drop for File {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_file(&self.0);
-    }
-}
-
 fn read(name: &str) -> String {
     std::fs::read_to_string(model(name)).expect("a model")
-}
-
-#[track_caller]
-fn near(found: &Value, expected: f64, within: f64) {
-    let found = found.as_f64().unwrap_or_else(|| panic!("no number: {found}"));
-    assert!((found - expected).abs() <= within, "{found} is not {expected}, {:e} off", found - expected);
 }
 
 #[test]

@@ -163,6 +163,17 @@ fn what_has_no_series_is_refused_with_the_reason() {
     assert_eq!(reason(table, &|_| ()), Some(NoSeries::Functions));
     let driven = "name: U\ncoordinates: {x: 1}\nkinetic_energy: x'^2/2\ninputs: {u: 1}\ngeneralized_forces: {x: u}\nscene: {until: 1}";
     assert_eq!(reason(driven, &|_| ()), None);
-    let by_program = |system: &mut Interpreted| system.set_input(0, std::sync::Arc::new(|t| [t, 1.0, 0.0]));
-    assert_eq!(reason(driven, &by_program), Some(NoSeries::Inputs));
+    for given in [true, false] {
+        let by_program = |system: &mut Interpreted| match given {
+            true => system.set_input(0, std::sync::Arc::new(|t| [t, 1.0, 0.0])),
+            false => system.hold_input(0, 2.0),
+        };
+        assert_eq!(reason(driven, &by_program), Some(NoSeries::Inputs));
+    }
+    // An input that is held later ends the motion there, and is no step that is too long.
+    let mut hand = dalembert::Simulation::new(mechanism(driven)).method(Method::Taylor).by_hand().unwrap();
+    hand.advance(0.1).unwrap();
+    hand.set_input("u", 2.0).unwrap();
+    let error = hand.advance(0.1).unwrap_err();
+    assert_eq!(error.cause(), Some(&dalembert::Cause::NoSeries { reason: NoSeries::Inputs }), "{error}");
 }

@@ -25,10 +25,11 @@ for line in sys.stdin:
     answers = []
     for state in asked["states"]:
         t, q, v, phase = state["t"], state["q"], state["v"], state["phase"]
-        rate = module.rate(t, q + v, phase=phase)
+        more = {"memory": dict(zip(module.MEMORY, state["memory"]))} if state["memory"] else {}
+        rate = module.rate(t, q + v, phase=phase, **more)
         answers.append({
-            "mass": module.mass_matrix(t, q, v, phase=phase).tolist(),
-            "bias": module.bias(t, q, v, phase=phase).tolist(),
+            "mass": module.mass_matrix(t, q, v, phase=phase, **more).tolist(),
+            "bias": module.bias(t, q, v, phase=phase, **more).tolist(),
             "rate": rate.tolist(),
         })
     print(json.dumps(answers).replace("-Infinity", "null").replace("Infinity", "null").replace("NaN", "null"))
@@ -106,8 +107,10 @@ fn asked(path: &Path, module: &str, folder: &Path) -> Asked {
     fs::write(folder.join(format!("{module}.py")), print::python(&program, module)).unwrap();
     let phases = program.model.phases.len().max(1);
     let n = program.model.coordinates.len();
-    let system = Interpreted::new(program, &text);
+    let mut system = Interpreted::new(program, &text);
     let mut draws = Draws(module.len() as u64);
+    let held: Vec<f64> = system.memory().iter().map(|_| draws.between(-1.0, 1.0)).collect();
+    system.set_memory(&held);
     let states = (0..STATES * phases).map(|i| {
         let mut list = || (0..n).map(|_| draws.between(0.2, 1.3)).collect::<Vec<f64>>();
         let (q, v) = (list(), list());
@@ -165,7 +168,7 @@ fn modules_for_python_agree_with_the_program() {
         .iter()
         .map(|(module, asked)| {
             let state =
-                |(t, q, v, phase): &(f64, Vec<f64>, Vec<f64>, usize)| json!({"t": t, "q": q, "v": v, "phase": phase});
+                |(t, q, v, phase): &(f64, Vec<f64>, Vec<f64>, usize)| json!({"t": t, "q": q, "v": v, "phase": phase, "memory": asked.system.memory()});
             let states: Vec<Value> = asked.states.iter().map(state).collect();
             json!({"module": module, "states": states}).to_string() + "\n"
         })

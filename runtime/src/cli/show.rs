@@ -28,12 +28,6 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
                 .to_owned(),
         ));
     }
-    if options.get_flag("python") && !program.model.memory.is_empty() {
-        return Err(Problem::Usage(
-            "error: --python does not print held values yet; --rust does, and `simulate` runs what sets them"
-                .to_owned(),
-        ));
-    }
     if options.get_flag("python") {
         write!(out, "{}", print::python(&program, &loaded.name))?;
         return Ok(());

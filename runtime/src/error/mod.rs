@@ -14,7 +14,7 @@ pub use no_orbit::NoOrbit;
 pub use no_slopes::NoSlopes;
 pub use not_found::NotFound;
 
-use crate::cause::Cause;
+use crate::cause::{Cause, NoSeries};
 use crate::mechanism::Method;
 use crate::run::{Failure, Run};
 
@@ -138,33 +138,6 @@ pub enum Nonlinear {
     Constraints,
     /// The equations of motion are not linear, or their coefficients change.
     Coefficients,
-}
-
-/// Why a motion has no power series.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum NoSeries {
-    /// The equations contain a function without one, or code was generated without the recurrences.
-    Functions,
-    /// An input is a function of the program that runs.
-    Inputs,
-    /// Forces are made of reactions.
-    Friction,
-    /// Accelerations do not come from Lagrange's equations with multipliers.
-    Accelerations,
-}
-
-impl fmt::Display for NoSeries {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            NoSeries::Functions => "its equations contain a table, or its code has no recurrences: `model!(…, methods = \"taylor\")`",
-            NoSeries::Inputs => "an input is a function of the program, of which only values are known",
-            NoSeries::Friction => "its forces are made of reactions, as friction is",
-            NoSeries::Accelerations => {
-                "accelerations come from balances, the null space, springs or Baumgarte's stabilisation; take Lagrange's equations and `multipliers`"
-            }
-        })
-    }
 }
 
 impl fmt::Display for Nonlinear {

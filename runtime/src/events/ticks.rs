@@ -193,7 +193,7 @@ mod tests {
         assert_eq!([tenth.at(3), tenth.at(7), tenth.at(1_000_000)], [0.3, 0.7, 100_000.0]);
         assert_eq!(exact(0, 5, 1000).at(1_000_000), 5000.0);
         assert_eq!(exact(-1, 3, 7).at(2), 5.0 / 7.0);
-        // 2^53 + 1 lies between two floats and is a tie; one 10^18th more is not.
+        // 2^53 + 1 is halfway between two floats, a tie; one 10^18th more is not.
         let large = (1_i128 << 53) + 1;
         assert_eq!(quotient(large, 1), 9_007_199_254_740_992.0);
         assert_eq!(quotient(large * 1000 + 1, 1000), 9_007_199_254_740_994.0);

@@ -52,7 +52,7 @@ pub(crate) use stiffness::StiffnessDetector;
 pub(crate) use tolerance::{LEAST, ROUNDING, widest};
 pub(crate) use tolerance::{PERTURBATION, Tolerance, larger};
 
-use crate::cause::Cause;
+use crate::cause::{Cause, NoSeries};
 use crate::mechanism::{Description, Singular, System};
 
 /// A method of integration at work: it holds a motion's state, tries steps from it, and takes them.
@@ -173,6 +173,8 @@ pub(crate) enum StepFailure {
         /// The step, s.
         h: f64,
     },
+    /// There is no power series.
+    NoSeries(NoSeries),
 }
 
 impl From<Singular> for StepFailure {
@@ -187,6 +189,7 @@ impl StepFailure {
         match self {
             StepFailure::Singular(fault) => fault.cause(mechanism),
             StepFailure::Stalled { h } => Cause::IterationStalled { h },
+            StepFailure::NoSeries(reason) => Cause::NoSeries { reason },
         }
     }
 }

@@ -13,7 +13,7 @@
 //!    ([`Constrained::observe`]), otherwise on the states that the constraints leave (`linearise_tangent`): look in
 //!    `constrained/`.
 //!    With states of first order the rest and x' = A x are found together (`linearise_states`): look in `equilibrium/state_space.rs`;
-//!    with values that ticks set the loop's map over a period (`linearise_sampled`): in `equilibrium/sampled.rs`.
+//!    with values that ticks set the loop's map over a period (`linearise_sampled`): in `equilibrium/sampled`.
 //! 7. Decompositions, scaling and ranks: look in `matrices/`.
 //!
 //! Matrices stay sparse until an eigenproblem or a factorization needs them dense, on the heap.

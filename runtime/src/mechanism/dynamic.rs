@@ -8,6 +8,7 @@ use super::{
     Along, At, Description, Energy, Enforcement, Function, Gimbal, Mechanism, Motion, MotionNumbers, Sampling, Scene,
     Series, Signal, Singular, System, Values,
 };
+use crate::cause::NoSeries;
 
 /// A mechanism of static size as a [`System`], with its block of constants at hand.
 #[derive(Clone)]
@@ -410,9 +411,11 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
         M::restitutions(&self.mechanism.parameters())
     }
 
-    fn series(&self) -> Option<&Series> {
-        // A function that a program gives has none.
-        if self.signals.iter().any(Option::is_some) { None } else { M::series() }
+    fn series(&self) -> Result<&Series, NoSeries> {
+        if self.signals.iter().any(Option::is_some) {
+            return Err(NoSeries::Inputs);
+        }
+        M::series().ok_or(NoSeries::Functions)
     }
 
     fn series_constants(&self, values: &mut [f64]) {

@@ -4,6 +4,7 @@ use super::sampling::NOTHING;
 use super::{
     At, Description, Energy, Enforcement, Gimbal, Motion, MotionNumbers, RowHistory, Sampling, Scene, Series, Singular,
 };
+use crate::cause::NoSeries;
 
 /// A mechanism with its parameters, behind slices.
 ///
@@ -360,9 +361,12 @@ pub trait System: Send + Sync {
         let _ = (t, values);
     }
 
-    /// How power series of M, h, J and γ follow from that of the motion, for [`Method::Taylor`](super::Method::Taylor); `None` where there are none.
-    fn series(&self) -> Option<&Series> {
-        None
+    /// How power series of M, h, J and γ follow from that of the motion, for [`Method::Taylor`](super::Method::Taylor).
+    ///
+    /// # Errors
+    /// Why there are none.
+    fn series(&self) -> Result<&Series, NoSeries> {
+        Err(NoSeries::Functions)
     }
 
     /// The numbers that [`System::series`] is made with, at the present parameters, modes and phase.

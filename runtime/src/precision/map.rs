@@ -2,6 +2,7 @@
 
 use nalgebra::{Complex, Matrix2};
 
+use crate::cause::NoSeries;
 use crate::error::Error;
 use crate::integrate::{Stability, Trial, stability, stepper};
 use crate::mechanism::{
@@ -219,8 +220,8 @@ impl System for Oscillator {
         Scene { q: vec![1.0], v: vec![0.0], ..Scene::default() }
     }
 
-    fn series(&self) -> Option<&Series> {
-        Some(&self.series)
+    fn series(&self) -> Result<&Series, NoSeries> {
+        Ok(&self.series)
     }
 
     fn series_constants(&self, values: &mut [f64]) {

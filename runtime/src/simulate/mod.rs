@@ -34,10 +34,10 @@ pub(crate) use settings::Resumed;
 pub use settings::Settings;
 pub use typed::Simulate;
 
-use crate::cause::Cause;
+use crate::cause::{Cause, NoSeries};
 use crate::constrain::{self, Elsewhere, consistent, other_branch};
 use crate::driver::{Integration, StepPolicy};
-use crate::error::{Error, NoSeries};
+use crate::error::Error;
 use crate::events::{Ticks, begin_at};
 use crate::integrate::Tolerance;
 use crate::mechanism::{Enforcement, Method, RowHistory, Stabilisation, System};
@@ -104,6 +104,9 @@ fn together(
     }
 }
 
+/// Ticks that are nearer to each other than this part of their time are not told apart (`events/sides.rs`: what is one instant), and would never end.
+const CLOSEST_TICKS: f64 = 1e-14;
+
 /// What keeps a motion from having a power series.
 fn no_series(system: &dyn System, settings: &Settings) -> Option<NoSeries> {
     let description = system.description();
@@ -112,12 +115,8 @@ fn no_series(system: &dyn System, settings: &Settings) -> Option<NoSeries> {
         Some(NoSeries::Accelerations)
     } else if !description.friction_pattern.is_empty() {
         Some(NoSeries::Friction)
-    } else if (0..description.inputs.len()).any(|input| system.signal(input).is_some()) {
-        Some(NoSeries::Inputs)
-    } else if system.series().is_none() {
-        Some(NoSeries::Functions)
     } else {
-        None
+        system.series().err()
     }
 }
 
@@ -134,9 +133,13 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
     if let Some(reason) = no_series(system, settings).filter(|_| settings.method == Method::Taylor) {
         return Err(Error::NoSeries { reason });
     }
-    let wrong = |[from, every]: &[f64; 2]| !(from.is_finite() && *every > 0.0 && every.is_finite());
+    let wrong = |[from, every]: &[f64; 2]| {
+        let latest = from.abs().max(settings.from.abs()).max(settings.until.abs());
+        !(from.is_finite() && *every > CLOSEST_TICKS * latest && every.is_finite())
+    };
     if let Some([_, every]) = system.clocks().into_iter().find(wrong) {
-        return Err(Error::BadSetting { setting: "every", value: every, expected: "a positive period of an event" });
+        let expected = "a positive period of an event, long enough for its ticks to be told apart";
+        return Err(Error::BadSetting { setting: "every", value: every, expected });
     }
     let held = settings.memory.as_ref().map_or(0, Vec::len);
     if settings.memory.is_some() && held != system.memory().len() {

@@ -2,7 +2,8 @@
 
 use rustc_hash::FxHashMap as HashMap;
 
-use super::resolved::{EventAction, Model, Shape, Work};
+use super::event::EventAction;
+use super::resolved::{Model, Shape, Work};
 use crate::expr::{Id, Symbol, substitute};
 
 impl Model {

@@ -1,6 +1,7 @@
 //! The model: names resolved, families expanded, every expression in the graph, units checked.
 
 pub(crate) mod command;
+mod event;
 mod every;
 mod expression;
 mod gimbals;
@@ -14,15 +15,15 @@ mod section;
 mod text;
 
 pub use command::Sets;
+pub use event::{Clock, Event, EventAction, HeldValue, Set, Target, Trigger};
 pub use gimbals::Gimbal;
 pub use identifier::{KEYWORDS, METHODS, field_name, is_snake_case, local_name, method_name, type_name};
 pub use motion::{Closes, Goal, Image, Motion};
 pub use resolve::{load, load_in, read_through, read_through_in, resolve};
 pub use resolved::{
-    Balance, BalanceSystem, Body, Change, Check, Clock, Conserved, Constraint, Coordinate, Derived, Event, EventAction,
-    Family, GeneralizedForce, HIDDEN, HeldValue, Input, Load, Model, Need, Output, Parameter, Part, Phase, Push,
-    Reaction, RotationCoordinate, Sample, Scene, Set, Shape, SharedEnd, Solid, StateOfFirstOrder, Target, Tried,
-    Trigger, Vector, Work,
+    Balance, BalanceSystem, Body, Change, Check, Conserved, Constraint, Coordinate, Derived, Family, GeneralizedForce,
+    HIDDEN, Input, Load, Model, Need, Output, Parameter, Part, Phase, Push, Reaction, RotationCoordinate, Sample,
+    Scene, Shape, SharedEnd, Solid, StateOfFirstOrder, Tried, Vector, Work,
 };
 pub use rotation::{Orientation, Rotation, product};
 pub use section::inertia::{Impossible, impossible_moments, principal_moments};

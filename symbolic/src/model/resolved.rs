@@ -1,5 +1,6 @@
 //! A model with every name resolved and every family expanded: expressions of one graph.
 
+use super::event::{Clock, Event, HeldValue, Set};
 use super::expression::scope::Scope;
 use super::gimbals::Gimbal;
 use super::motion::Motion;
@@ -243,44 +244,6 @@ pub struct RotationCoordinate {
     pub place: Place,
 }
 
-/// A held value: what `memory` declares.  It changes by events alone.
-#[derive(Clone, Debug)]
-pub struct HeldValue {
-    /// Its expanded name.
-    pub name: String,
-    /// Its unit as written.
-    pub unit: Option<String>,
-    /// What it is where a run starts, of parameters.
-    pub start: Id,
-    /// Where it is declared.
-    pub place: Place,
-}
-
-/// What one `set` sets, all of it at once.
-#[derive(Clone, Debug, Default)]
-pub struct Set {
-    /// What is set, and the value, which is that before.
-    pub values: Vec<(Target, Id)>,
-}
-
-/// What an event can set.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Target {
-    /// A held value, by its place.
-    Memory(usize),
-    /// A state of first order, by its place.
-    State(usize),
-}
-
-/// When ticks come: at `from` + k `every`, k = 0, 1, …, both of parameters.
-#[derive(Clone, Copy, Debug)]
-pub struct Clock {
-    /// The first tick, s.
-    pub from: Id,
-    /// The period, s.
-    pub every: Id,
-}
-
 /// A named function of time.
 #[derive(Clone, Debug)]
 pub struct Input {
@@ -505,58 +468,6 @@ pub struct Output {
     pub unit: Option<String>,
     /// Whether it contains named reactions; those become expressions of the state and the accelerations.
     pub of_reactions: bool,
-}
-
-/// An event.
-#[derive(Clone, Debug)]
-pub struct Event {
-    /// Its expanded label.
-    pub name: String,
-    /// What makes it happen.
-    pub trigger: Trigger,
-    /// Zero when it happens; 1 where something else makes it happen.
-    pub when: Id,
-    /// It counts only where this is > 0.
-    pub condition: Option<Id>,
-    /// −1 falling, 1 rising, 0 both.
-    pub direction: i8,
-    /// The phases in which it counts; absent: every.
-    pub phases: Option<Vec<usize>>,
-    /// What happens, in order.
-    pub actions: Vec<EventAction>,
-    /// Where it stands.
-    pub place: Place,
-}
-
-/// What makes an event happen.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Trigger {
-    /// Its function passes through zero.
-    Zero,
-    /// A tick of a clock, by its place.
-    Tick(usize),
-    /// Any of these held values, by their places, has been set.
-    Set(Vec<usize>),
-}
-
-/// What an event does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum EventAction {
-    /// Ends the run.
-    Stop,
-    /// Notes time and state.
-    Record,
-    /// Goes on in this phase.
-    Phase(usize),
-    /// Sets held values, or states of first order; by the place of the set.
-    Set(usize),
-    /// An impulse along a constraint that is not active.
-    Impact {
-        /// The coefficient of restitution e, of parameters: the constraint's rate becomes −e times what it was.
-        restitution: Id,
-        /// The constraint's place.
-        along: usize,
-    },
 }
 
 /// Something to draw.

@@ -7,6 +7,7 @@ use super::formula::{Formulas, Notation, Python};
 use crate::derive::without_modes;
 use crate::expr::{Graph, Id, Symbol, Table};
 use crate::lower::{Entry, Program};
+use crate::model::command::evaluate_all;
 use crate::model::local_name;
 
 /// Python's keywords, and the names that the module has of itself.
@@ -14,7 +15,7 @@ const TAKEN: &[&str] = &[
     "False", "None", "True", "and", "as", "assert", "async", "await", "break", "class", "continue", "def", "del",
     "elif", "else", "except", "finally", "for", "from", "global", "if", "import", "in", "is", "lambda", "nonlocal",
     "not", "or", "pass", "raise", "return", "try", "while", "with", "yield", "np", "t", "q", "v", "p", "u", "phase",
-    "out", "n", "pieces_",
+    "memory", "out", "n", "pieces_",
 ];
 
 /// Evaluates a table.
@@ -31,6 +32,42 @@ def pieces_(x, order, knots, pieces, period):
         out = out*d + pieces[k][power]*np.prod(np.arange(power - order + 1, power + 1.0))
     return out
 ";
+
+/// Accelerations and the state's rate of mechanisms without constraints.
+const FREE: &str = r#"
+
+def accelerations(t, q, v, p=PARAMETERS, phase=0{=memory}):
+    """q'' = -M^-1 h."""
+    return np.linalg.solve(mass_matrix(t, q, v, p, phase{memory}), -bias(t, q, v, p, phase{memory}))
+
+
+def rate(t, x, p=PARAMETERS, phase=0{=memory}):
+    """The rate of the state (q, q')."""
+    q, v = np.split(np.asarray(x, dtype=float), 2)
+    return np.concatenate([v, accelerations(t, q, v, p, phase{memory})])
+"#;
+
+/// The same with constraints.
+const CONSTRAINED: &str = r#"
+
+def accelerations(t, q, v, p=PARAMETERS, phase=0{=memory}):
+    """q'' and the multipliers of the phase's rows, the least ones where rows depend on each other."""
+    rows = list(PHASES.values())[phase]
+    M = mass_matrix(t, q, v, p, phase{memory})
+    J = constraint_matrix(t, q, v, p, phase{memory})[rows]
+    B = friction(t, q, v, p, phase{memory})[:, rows]
+    n, m = len(M), len(rows)
+    K = np.block([[M, -(J.T + B)], [J, np.zeros((m, m))]])
+    right = np.concatenate([-bias(t, q, v, p, phase{memory}), -constraint_bias(t, q, v, p, phase{memory})[rows]])
+    x = np.linalg.lstsq(K, right, rcond=None)[0] if m else np.linalg.solve(K, right)
+    return x[:n], x[n:]
+
+
+def rate(t, x, p=PARAMETERS, phase=0{=memory}):
+    """The rate of the state (q, q'); nothing here corrects the drift from constraints, locates events or changes phases."""
+    q, v = np.split(np.asarray(x, dtype=float), 2)
+    return np.concatenate([v, accelerations(t, q, v, p, phase{memory})[0]])
+"#;
 
 /// The module's text; `name` is what a person imports it as.
 pub fn python(program: &Program, name: &str) -> String {
@@ -77,6 +114,7 @@ struct Names {
     parameters: Vec<String>,
     coordinates: Vec<[String; 2]>,
     inputs: Vec<[String; 3]>,
+    memory: Vec<String>,
 }
 
 impl Names {
@@ -104,6 +142,7 @@ impl Names {
                 .iter()
                 .map(|u| ["", "_dot", "_ddot"].map(|suffix| fresh(plain(&u.name) + suffix)))
                 .collect(),
+            memory: model.memory.iter().map(|held| fresh(plain(&held.name))).collect(),
         }
     }
 
@@ -113,6 +152,7 @@ impl Names {
             Symbol::Speed(i) => self.coordinates[i as usize][1].clone(),
             Symbol::Parameter(i) => self.parameters[i as usize].clone(),
             Symbol::Input(k, order @ 0..=2) => self.inputs[k as usize][usize::from(order)].clone(),
+            Symbol::Memory(k) => self.memory[k as usize].clone(),
             Symbol::Phase(k) => format!("(phase == {k})"),
             Symbol::Time => "t".to_owned(),
             // Nothing else is left in what is printed.
@@ -161,7 +201,22 @@ impl Module<'_> {
             let names = strings(&mut model.phases.iter().map(|phase| &phase.name));
             let _ = writeln!(text, "\nPHASES = [{names}]");
         }
+        if !model.memory.is_empty() {
+            text += "\n# What is held between events, as at the start; nothing here sets it.\nMEMORY = {\n";
+            let parameters: Vec<f64> = model.parameters.iter().map(|p| p.default).collect();
+            let values = evaluate_all(&model.graph, &self.program.memory_of_scene(0), &parameters);
+            for (held, value) in model.memory.iter().zip(values) {
+                let _ = writeln!(text, "    {:?}: {value:?},", held.name);
+            }
+            text += "}\n";
+        }
         self.out += &text;
+    }
+
+    /// A function of the state, with its documentation.
+    fn function(&mut self, name: &str, about: &str) {
+        let memory = if self.program.model.memory.is_empty() { "" } else { ", memory=MEMORY" };
+        self.line(&format!("\n\ndef {name}(t, q, v, p=PARAMETERS, phase=0{memory}):\n    \"\"\"{about}\"\"\""));
     }
 
     /// The functions that the file gives by points.
@@ -198,7 +253,7 @@ impl Module<'_> {
     }
 
     fn matrix(&mut self, name: &str, about: &str, entries: &[Entry], (rows, columns): (usize, usize), symmetric: bool) {
-        self.line(&format!("\n\ndef {name}(t, q, v, p=PARAMETERS, phase=0):\n    \"\"\"{about}\"\"\""));
+        self.function(name, about);
         let roots: Vec<Id> = entries.iter().map(|e| e.2).collect();
         let values = self.body(&roots);
         self.line(&format!("    out = np.zeros(({rows}, {columns}))"));
@@ -210,7 +265,7 @@ impl Module<'_> {
     }
 
     fn vector(&mut self, name: &str, about: &str, roots: &[Id]) {
-        self.line(&format!("\n\ndef {name}(t, q, v, p=PARAMETERS, phase=0):\n    \"\"\"{about}\"\"\""));
+        self.function(name, about);
         let values = self.body(roots);
         self.line(&format!("    return np.array([{}], dtype=float)", values.join(", ")));
     }
@@ -233,6 +288,11 @@ impl Module<'_> {
                 let _ = writeln!(lines, "    {} = {array}[{i}]", self.names.coordinates[i][order]);
             }
         }
+        for (j, held) in model.memory.iter().enumerate() {
+            if symbols.contains(&Symbol::Memory(j as u32)) {
+                let _ = writeln!(lines, "    {} = memory[{:?}]", self.names.memory[j], held.name);
+            }
+        }
         let is_input = |s: &Symbol| matches!(s, Symbol::Input(..));
         if symbols.iter().any(is_input) {
             let names: Vec<String> = self.names.inputs.iter().map(|u| format!("({})", u.join(", "))).collect();
@@ -249,10 +309,9 @@ impl Module<'_> {
     }
 
     fn tail(&mut self, constrained: bool) {
-        self.out += if constrained {
-            "\n\ndef accelerations(t, q, v, p=PARAMETERS, phase=0):\n    \"\"\"q'' and the multipliers of the phase's rows, the least ones where rows depend on each other.\"\"\"\n    rows = list(PHASES.values())[phase]\n    M = mass_matrix(t, q, v, p, phase)\n    J = constraint_matrix(t, q, v, p, phase)[rows]\n    B = friction(t, q, v, p, phase)[:, rows]\n    n, m = len(M), len(rows)\n    K = np.block([[M, -(J.T + B)], [J, np.zeros((m, m))]])\n    right = np.concatenate([-bias(t, q, v, p, phase), -constraint_bias(t, q, v, p, phase)[rows]])\n    x = np.linalg.lstsq(K, right, rcond=None)[0] if m else np.linalg.solve(K, right)\n    return x[:n], x[n:]\n\n\ndef rate(t, x, p=PARAMETERS, phase=0):\n    \"\"\"The rate of the state (q, q'); nothing here corrects the drift from constraints, locates events or changes phases.\"\"\"\n    q, v = np.split(np.asarray(x, dtype=float), 2)\n    return np.concatenate([v, accelerations(t, q, v, p, phase)[0]])\n"
-        } else {
-            "\n\ndef accelerations(t, q, v, p=PARAMETERS, phase=0):\n    \"\"\"q'' = -M^-1 h.\"\"\"\n    return np.linalg.solve(mass_matrix(t, q, v, p, phase), -bias(t, q, v, p, phase))\n\n\ndef rate(t, x, p=PARAMETERS, phase=0):\n    \"\"\"The rate of the state (q, q').\"\"\"\n    q, v = np.split(np.asarray(x, dtype=float), 2)\n    return np.concatenate([v, accelerations(t, q, v, p, phase)])\n"
-        };
+        let (default, memory) =
+            if self.program.model.memory.is_empty() { ("", "") } else { (", memory=MEMORY", ", memory") };
+        let text = if constrained { CONSTRAINED } else { FREE };
+        self.out += &text.replace("{=memory}", default).replace("{memory}", memory);
     }
 }

@@ -4,6 +4,7 @@ use std::io::Write;
 
 use clap::ArgMatches;
 use clap::parser::ValueSource;
+use dalembert_symbolic::expr::Symbol;
 use nalgebra::{Complex, DMatrix};
 use serde_json::{Value, json};
 
@@ -13,10 +14,7 @@ use super::super::{Problem, json};
 use super::states::OF_MODES;
 use super::{MOST_PRINTED, failed};
 use crate::linear::{Guess, SampledLoop, linearise_sampled, short};
-use crate::mechanism::System;
-
-/// Times at which inputs are looked at, s: those that are the same at all are constant.
-const LOOKS: [f64; 4] = [0.0, 0.37, 11.9, 1234.5];
+use crate::mechanism::{System, Text};
 
 /// Finds the rest of the loop and its map, and prints the eigenvalues.
 pub fn run(loaded: &Loaded, options: &ArgMatches, guess: Guess, out: &mut dyn Write) -> Result<(), Problem> {
@@ -35,19 +33,17 @@ pub fn run(loaded: &Loaded, options: &ArgMatches, guess: Guess, out: &mut dyn Wr
     }
 }
 
-/// Inputs as they are given; those that are not, and do not change, keep the file's value: set points of the loop.
+/// Inputs as they are given; those that are not, and contain no time, keep the file's value: set points of the loop.
 fn inputs(loaded: &Loaded, options: &ArgMatches, held: &[f64]) -> Result<Vec<f64>, Problem> {
+    let program = loaded.program()?;
+    let graph = &program.model.graph;
+    let moves = |k: usize| graph.symbols([program.signals[k][0]]).contains(&Symbol::Time);
     let names = &loaded.system.description().inputs;
-    let at = LOOKS.map(|t| {
-        let mut values = vec![0.0; 3 * names.len()];
-        loaded.system.inputs(t, &mut values);
-        values
-    });
+    let mut values = vec![0.0; 3 * names.len()];
+    loaded.system.inputs(0.0, &mut values);
     let given = pairs(options, "input")?;
-    let value = |(k, name): (usize, &_)| {
-        let constant = at.iter().all(|values| values[3 * k..3 * k + 3] == at[0][3 * k..3 * k + 3]);
-        if given.iter().any(|(known, _)| known == name) || !constant { held[k] } else { at[0][3 * k] }
-    };
+    let is_given = |name: &str| given.iter().any(|(known, _)| known == name);
+    let value = |(k, name): (usize, &Text)| if is_given(name) || moves(k) { held[k] } else { values[3 * k] };
     Ok(names.iter().enumerate().map(value).collect())
 }
 

@@ -51,7 +51,7 @@ impl Expansion {
 
     /// Expands the motion at a state, time in units of τ.
     pub fn expand(&mut self, system: &dyn System, t: f64, y: &[f64], unit: f64) -> Result<(), StepFailure> {
-        let Some(series) = system.series() else { return Err(StepFailure::Stalled { h: unit }) };
+        let series = system.series().map_err(StepFailure::NoSeries)?;
         let n = self.n;
         if self.jets.rows() != series.rows.len() {
             self.jets = Jets::new(series.rows.len(), ORDER);

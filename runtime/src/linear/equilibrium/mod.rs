@@ -2,6 +2,8 @@
 
 mod discontinuity;
 mod family;
+#[cfg(feature = "modal")]
+mod least_steps;
 mod linearise;
 mod point;
 #[cfg(feature = "modal")]

@@ -10,21 +10,11 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::Guess;
+use super::least_steps::{BALANCED, Rest};
 use super::point::LinearisationPoint;
 use crate::linear::{FirstOrder, LinearError, Residual, first_order_modes};
-use crate::matrix::solve_least;
 use crate::mechanism::{Coordinate, System, rate_name};
 
-/// Newton's method gives up after so many steps.
-const ITERATIONS: usize = 100;
-/// A step is halved down to this part of itself.
-const SHORTEST: f64 = 1e-9;
-/// An equation holds where no more than this part of its terms is left; what Newton's method ends with has some roundings.
-const BALANCED: f64 = 1e-9;
-/// Below so many roundings of its terms an equation is not improved.
-const EXACT: f64 = 4.0 * f64::EPSILON;
-/// What has become smaller than this part of all that it was is 0, if that is a rest too.
-const GONE: f64 = 1e-12;
 /// Sweeps of balancing A by powers of 2.
 const SWEEPS: usize = 30;
 
@@ -62,10 +52,11 @@ pub struct StateSpace {
 pub fn linearise_states<S: System + ?Sized>(system: &S, guess: &Guess, here: bool) -> Result<StateSpace, LinearError> {
     let mut search = Search::new(system, guess);
     search.base.check(&search.q)?;
-    let iterations = if here { 0 } else { search.newton()? };
-    if !search.is_balanced(BALANCED) {
+    let iterations = if here { Ok(0) } else { search.newton() };
+    let iterations = iterations.map_err(|iterations| search.nowhere(iterations))?;
+    if !search.is_met(BALANCED) {
         return Err(match here {
-            true => LinearError::NotAnEquilibrium { residual: search.left() },
+            true => LinearError::NotAnEquilibrium { residual: search.forces_left() },
             false => search.nowhere(iterations),
         });
     }
@@ -104,82 +95,9 @@ impl Search {
         Search { base: LinearisationPoint::new(system, guess), coordinates: description.coordinates.to_vec(), n, q }
     }
 
-    /// What is sought: coordinates and states.
-    fn unknowns(&self) -> Vec<f64> {
-        [&self.q[..self.n], &self.base.v[self.n..]].concat()
-    }
-
-    fn set(&mut self, unknowns: &[f64]) {
-        self.q[..self.n].copy_from_slice(&unknowns[..self.n]);
-        self.base.v[self.n..].copy_from_slice(&unknowns[self.n..]);
-    }
-
-    fn is_balanced(&self, part: f64) -> bool {
-        let (force, measure) = (self.base.force(&self.q), self.base.measure(&self.q));
-        force.iter().zip(measure).all(|(f, measure)| f.abs() <= part * measure)
-    }
-
-    /// ∂F/∂(q, z).
-    fn slopes(&self) -> DMatrix<f64> {
-        let [_, damping, stiffness] = self.base.matrices(&self.q);
-        let mut slopes = stiffness.to_dense();
-        slopes
-            .columns_mut(self.n, self.base.n - self.n)
-            .copy_from(&damping.to_dense().columns(self.n, self.base.n - self.n));
-        slopes
-    }
-
-    /// Newton's method by least steps, halved until the equations are better met; how many steps there were.
-    fn newton(&mut self) -> Result<usize, LinearError> {
-        let mut reach: Vec<f64> = self.unknowns().iter().map(|x| x.abs()).collect();
-        let mut iterations = 0;
-        while iterations < ITERATIONS && !self.is_balanced(EXACT) {
-            let slopes = self.slopes();
-            if slopes.iter().any(|x| !x.is_finite()) {
-                return Err(self.nowhere(iterations));
-            }
-            let weights: Vec<f64> = slopes.row_iter().map(|row| 1.0 / row.amax().max(f64::MIN_POSITIVE)).collect();
-            let size = |force: &[f64]| force.iter().zip(&weights).map(|(f, w)| (f * w).powi(2)).sum::<f64>();
-            let force = self.base.force(&self.q);
-            let right = DMatrix::from_column_slice(force.len(), 1, &force);
-            let Some(step) = solve_least(&slopes, &right) else { return Err(self.nowhere(iterations)) };
-            let (from, before) = (self.unknowns(), size(&force));
-            let mut part = 1.0;
-            loop {
-                let tried: Vec<f64> = from.iter().zip(step.iter()).map(|(x, step)| x - part * step).collect();
-                self.set(&tried);
-                if size(&self.base.force(&self.q)) < before {
-                    break;
-                }
-                part *= 0.5;
-                if part < SHORTEST {
-                    self.set(&from);
-                    return Ok(iterations);
-                }
-            }
-            iterations += 1;
-            reach.iter_mut().zip(self.unknowns()).for_each(|(reach, x)| *reach = reach.max(x.abs()));
-            self.without_rounding(&reach);
-        }
-        Ok(iterations)
-    }
-
-    /// Sets to 0 what has all but vanished, if that is a rest too.
-    fn without_rounding(&mut self, reach: &[f64]) {
-        let from = self.unknowns();
-        let gone = |(x, reach): (&f64, &f64)| if x.abs() <= GONE * reach { 0.0 } else { *x };
-        let clean: Vec<f64> = from.iter().zip(reach).map(gone).collect();
-        if clean != from {
-            self.set(&clean);
-            if !self.is_balanced(EXACT) {
-                self.set(&from);
-            }
-        }
-    }
-
     /// The state, and what is left there, by name.
     fn nowhere(&self, iterations: usize) -> LinearError {
-        LinearError::NoEquilibrium { iterations, point: self.place(), residual: self.left() }
+        LinearError::NoEquilibrium { iterations, point: self.place(), residual: self.forces_left() }
     }
 
     fn place(&self) -> Vec<(String, f64)> {
@@ -187,7 +105,7 @@ impl Search {
         self.coordinates.iter().map(name).zip(self.unknowns()).collect()
     }
 
-    fn left(&self) -> Vec<Residual> {
+    fn forces_left(&self) -> Vec<Residual> {
         let forces = self.base.forces(&self.base.force(&self.q)).into_iter().zip(&self.coordinates);
         let named = |(force, coordinate): (Residual, &Coordinate)| match coordinate.state() {
             None => force,
@@ -215,14 +133,12 @@ impl Search {
         let values = (0..input.ncols()).step_by(3).map(|k| input.column(k).into_owned()).collect::<Vec<_>>();
         let (matrix, drive) = first_order(&self.base, &self.q, &values)?;
         let (balanced, scales) = balanced(&matrix);
-        let (force, measure) = (self.base.force(&self.q), self.base.measure(&self.q));
-        let part = |(f, measure): (&f64, &f64)| if *f == 0.0 { 0.0 } else { f.abs() / measure };
         let names = self.coordinates[..n].iter().map(|c| c.name.to_string());
         let moving = self.coordinates[..n].iter().zip(&self.base.v).filter(|(_, v)| **v != 0.0);
         Ok(StateSpace {
             place: self.place(),
             speeds: moving.map(|(c, v)| (rate_name(&c.name), *v)).collect(),
-            residual: force.iter().zip(&measure).map(part).fold(0.0, f64::max),
+            residual: self.residual(),
             iterations,
             variables: names.chain(self.coordinates.iter().map(|c| rate_name(&c.name))).collect(),
             analysis: first_order_modes(&balanced)?,
@@ -231,6 +147,36 @@ impl Search {
             input: drive,
             scales,
         })
+    }
+}
+
+impl Rest for Search {
+    /// Coordinates and states.
+    fn unknowns(&self) -> Vec<f64> {
+        [&self.q[..self.n], &self.base.v[self.n..]].concat()
+    }
+
+    fn set(&mut self, unknowns: &[f64]) {
+        self.q[..self.n].copy_from_slice(&unknowns[..self.n]);
+        self.base.v[self.n..].copy_from_slice(&unknowns[self.n..]);
+    }
+
+    fn left(&self) -> Vec<f64> {
+        self.base.force(&self.q)
+    }
+
+    fn measures(&self) -> Vec<f64> {
+        self.base.measure(&self.q)
+    }
+
+    /// ∂F/∂(q, z).
+    fn slopes(&self) -> DMatrix<f64> {
+        let [_, damping, stiffness] = self.base.matrices(&self.q);
+        let mut slopes = stiffness.to_dense();
+        slopes
+            .columns_mut(self.n, self.base.n - self.n)
+            .copy_from(&damping.to_dense().columns(self.n, self.base.n - self.n));
+        slopes
     }
 }
 

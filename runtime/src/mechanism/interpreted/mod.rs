@@ -21,6 +21,7 @@ use super::{
     Along, At, Balances, Description, Energy, Enforcement, Gimbal, Motion, MotionNumbers, Sampling, Scene, Series,
     Signal, Singular, SingularMass, System,
 };
+use crate::cause::NoSeries;
 
 /// An interpreted mechanism.
 #[derive(Clone)]
@@ -367,10 +368,11 @@ impl System for Interpreted {
         self.interpreter.modes.copy_from_slice(modes);
     }
 
-    fn series(&self) -> Option<&Series> {
-        // A function that a program gives has none.
-        let replaced = self.signals.iter().any(Option::is_some);
-        self.own_series().filter(|_| !replaced).map(|own| &own.series)
+    fn series(&self) -> Result<&Series, NoSeries> {
+        if self.signals.iter().any(Option::is_some) {
+            return Err(NoSeries::Inputs);
+        }
+        self.own_series().map(|own| &own.series).ok_or(NoSeries::Functions)
     }
 
     fn series_constants(&self, values: &mut [f64]) {

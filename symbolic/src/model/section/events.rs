@@ -7,11 +7,11 @@ use crate::diagnose::did_you_mean_or;
 use crate::expr::Id;
 use crate::file::{Node, Spot, Text};
 use crate::language::{AstKind, parse};
+use crate::model::event::{Event, EventAction, Trigger};
 use crate::model::expression::dimension::Dimension;
 use crate::model::expression::families::Locals;
 use crate::model::expression::rules::Rules;
 use crate::model::expression::scope::Section;
-use crate::model::resolved::{Event, EventAction, Trigger};
 use crate::model::resolver::Resolver;
 
 /// When an event happens, as written.

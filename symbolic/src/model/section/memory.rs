@@ -6,11 +6,12 @@ use crate::diagnose::catalogue::{mechanics, memory, names, sections};
 use crate::diagnose::did_you_mean_or;
 use crate::expr::Id;
 use crate::file::{Quantity, Spot};
+use crate::model::event::{Clock, EventAction, HeldValue, Set, Target};
 use crate::model::expression::dimension::{Dimension, Measure};
 use crate::model::expression::families::{Expanded, Family, Locals};
 use crate::model::expression::rules::Rules;
 use crate::model::expression::scope::{Member, Section};
-use crate::model::resolved::{Clock, EventAction, HeldValue, Output, Scene, Set, Target};
+use crate::model::resolved::{Output, Scene};
 use crate::model::resolver::Resolver;
 
 use super::parameters::values;

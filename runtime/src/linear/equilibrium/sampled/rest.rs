@@ -1,0 +1,280 @@
+//! Rests of sampled loops: places, states and held values at which every tick sets what it finds.
+
+use nalgebra::DMatrix;
+
+use crate::linear::equilibrium::Guess;
+use crate::linear::equilibrium::least_steps::Rest;
+use crate::linear::equilibrium::point::LinearisationPoint;
+use crate::linear::{LinearError, Residual};
+use crate::mechanism::{Action, Along, At, Function, System, Target, Trigger};
+
+/// A slope that vanishes at the guess by accident does not vanish so far beside it too.
+const BESIDE: f64 = 0.37;
+
+/// A value that a tick sets: of which event, what, and its place among all assignments.
+pub(super) struct Assignment {
+    pub target: Target,
+    pub place: usize,
+}
+
+pub(super) struct Search {
+    pub base: LinearisationPoint,
+    /// How many coordinates are not hidden.
+    pub n: usize,
+    pub q: Vec<f64>,
+    pub memory: Vec<f64>,
+    /// Held values that the loop reads, by their places.
+    pub read: Vec<usize>,
+}
+
+impl Search {
+    pub fn new<S: System + ?Sized>(system: &S, guess: &Guess, memory: &[f64]) -> Search {
+        let (n, mut q) = (system.description().mechanical(), guess.q.clone());
+        q.iter_mut().skip(n).for_each(|hidden| *hidden = 0.0);
+        let base = LinearisationPoint::new(system, guess);
+        base.system.borrow_mut().set_memory(memory);
+        Search { base, n, q, memory: memory.to_vec(), read: Vec::new() }
+    }
+
+    fn at(&self) -> At<'_> {
+        At::new(0.0, &self.q, &self.base.v).accelerated(self.base.at_rest())
+    }
+
+    /// ∂F/∂m, a column for each held value.
+    pub fn forces_by_memory(&self) -> DMatrix<f64> {
+        let mut slopes = DMatrix::zeros(self.base.n, self.memory.len());
+        let system = self.base.system.borrow();
+        for (j, mut column) in slopes.column_iter_mut().enumerate() {
+            let along = Along { memory: Some(j), ..Along::default() };
+            system.slopes(Function::Residual, self.at(), &along, column.as_mut_slice());
+        }
+        slopes
+    }
+
+    /// The slopes of all assignments along a direction.
+    pub fn assignments_along(&self, along: &Along<'_>) -> Vec<f64> {
+        let system = self.base.system.borrow();
+        let mut slopes = vec![0.0; system.sampling().assignments()];
+        system.slopes(Function::Assignments, self.at(), along, &mut slopes);
+        slopes
+    }
+
+    fn assignments(&self) -> Vec<f64> {
+        let system = self.base.system.borrow();
+        let mut values = vec![0.0; system.sampling().assignments()];
+        system.assignments(self.at(), &mut values);
+        values
+    }
+
+    /// Events that act at a tick of these clocks, in the order in which they do: those of the file, then those that follow what was set.
+    pub fn acting(&self, ticking: &[bool]) -> Vec<usize> {
+        let system = self.base.system.borrow();
+        let (description, sampling) = (system.description(), system.sampling());
+        let phase = system.phase() as u32;
+        let mut pairs = vec![0.0; 2 * description.events.len()];
+        system.events(self.at(), &mut pairs);
+        let acts = |event: &usize| {
+            let described = &description.events[*event];
+            let counts = described.phases.as_ref().is_none_or(|phases| phases.contains(&phase));
+            counts && (!described.conditional || pairs[2 * event + 1] > 0.0)
+        };
+        let ticks =
+            |event: &usize| matches!(sampling.trigger(*event), Trigger::Tick(clock) if ticking[*clock as usize]);
+        let first: Vec<usize> = (0..description.events.len()).filter(ticks).filter(acts).collect();
+        let set: Vec<u32> = first
+            .iter()
+            .flat_map(|event| self.of_event(*event))
+            .filter_map(|assignment| if let Target::Memory(place) = assignment.target { Some(place) } else { None })
+            .collect();
+        let follows = |event: &usize| matches!(sampling.trigger(*event), Trigger::Set(held) if held.iter().any(|j| set.contains(j)));
+        let then: Vec<usize> = (0..description.events.len()).filter(follows).filter(acts).collect();
+        first.into_iter().chain(then).collect()
+    }
+
+    /// What an event sets, set by set.
+    pub fn sets_of(&self, event: usize) -> Vec<Vec<Assignment>> {
+        let system = self.base.system.borrow();
+        let sampling = system.sampling();
+        let sets = system.description().events[event].actions.iter().filter_map(|action| match action {
+            Action::Set(set) => Some(*set as usize),
+            _ => None,
+        });
+        let of_set = |set: usize| {
+            let targets = sampling.sets[set].iter().zip(sampling.first_of_set(set)..);
+            targets.map(|(target, place)| Assignment { target: *target, place }).collect()
+        };
+        sets.map(of_set).collect()
+    }
+
+    fn of_event(&self, event: usize) -> Vec<Assignment> {
+        self.sets_of(event).into_iter().flatten().collect()
+    }
+
+    /// Everything that any tick sets.
+    fn all_assignments(&self) -> Vec<Assignment> {
+        let clocks = self.base.system.borrow().sampling().clocks.len();
+        self.acting(&vec![true; clocks]).into_iter().flat_map(|event| self.of_event(event)).collect()
+    }
+
+    /// Finds the held values that forces read, or what is set to these: at the guess, and beside it, since a slope may vanish by accident.
+    pub fn find_read(&mut self) {
+        let (q, memory) = (self.q.clone(), self.memory.clone());
+        let mut read = vec![false; memory.len()];
+        for beside in [0.0, BESIDE] {
+            self.q
+                .iter_mut()
+                .zip(&q)
+                .take(self.n)
+                .enumerate()
+                .for_each(|(i, (x, q))| *x = q + beside / (1.0 + i as f64));
+            self.memory.iter_mut().zip(&memory).for_each(|(x, m)| *x = m + beside * (1.0 + m.abs()));
+            self.put_memory();
+            let forces = self.forces_by_memory();
+            (0..read.len()).for_each(|j| read[j] |= forces.column(j).iter().any(|slope| *slope != 0.0));
+            let assignments = self.all_assignments();
+            let slopes: Vec<Vec<f64>> = (0..read.len())
+                .map(|j| self.assignments_along(&Along { memory: Some(j), ..Along::default() }))
+                .collect();
+            // Each round finds what is read by what was found before.
+            for _ in 0..read.len() {
+                for Assignment { target, place } in &assignments {
+                    let counts = match target {
+                        Target::Memory(j) => read[*j as usize],
+                        Target::State(_) => true,
+                    };
+                    (0..read.len()).filter(|_| counts).for_each(|j| read[j] |= slopes[j][*place] != 0.0);
+                }
+            }
+        }
+        (self.q, self.memory) = (q, memory);
+        self.put_memory();
+        self.read = (0..read.len()).filter(|j| read[*j]).collect();
+    }
+
+    fn put_memory(&self) {
+        self.base.system.borrow_mut().set_memory(&self.memory);
+    }
+
+    /// Assignments to what the loop reads, and to states.
+    fn equations(&self) -> Vec<Assignment> {
+        let counts = |assignment: &Assignment| match assignment.target {
+            Target::Memory(j) => self.read.contains(&(j as usize)),
+            Target::State(_) => true,
+        };
+        self.all_assignments().into_iter().filter(counts).collect()
+    }
+
+    /// The present value of what is set.
+    fn held(&self, target: Target) -> f64 {
+        match target {
+            Target::Memory(j) => self.memory[j as usize],
+            Target::State(i) => self.base.v[i as usize],
+        }
+    }
+
+    pub fn place(&self) -> Vec<(String, f64)> {
+        let system = self.base.system.borrow();
+        let names = system.description().coordinates.iter().map(|c| c.state().unwrap_or(&c.name).to_owned());
+        names.zip(self.unknowns()).collect()
+    }
+
+    pub fn held_values(&self) -> Vec<(String, f64)> {
+        let system = self.base.system.borrow();
+        let memory = &system.sampling().memory;
+        self.read.iter().map(|j| (memory[*j].name.to_string(), self.memory[*j])).collect()
+    }
+
+    /// The state, and what is left there, by name.
+    pub fn nowhere(&self, iterations: usize) -> LinearError {
+        let left = self.left();
+        let (force, set) = left.split_at(self.base.n);
+        let mut residual = self.base.forces(force);
+        let system = self.base.system.borrow();
+        let named = self.equations().into_iter().zip(set).map(|(Assignment { target, .. }, left)| Residual {
+            coordinate: match target {
+                Target::Memory(j) => system.sampling().memory[j as usize].name.to_string(),
+                Target::State(i) => system.description().coordinate_name(i as usize),
+            },
+            force: *left,
+            unit: String::new(),
+        });
+        residual.extend(named);
+        let point = self.place().into_iter().chain(self.held_values()).collect();
+        LinearError::NoEquilibrium { iterations, point, residual }
+    }
+}
+
+impl Rest for Search {
+    /// What is sought: coordinates, states and held values.
+    fn unknowns(&self) -> Vec<f64> {
+        let held = self.read.iter().map(|j| self.memory[*j]);
+        self.q[..self.n].iter().chain(&self.base.v[self.n..]).copied().chain(held).collect()
+    }
+
+    fn set(&mut self, unknowns: &[f64]) {
+        let all = self.base.n;
+        self.q[..self.n].copy_from_slice(&unknowns[..self.n]);
+        self.base.v[self.n..].copy_from_slice(&unknowns[self.n..all]);
+        self.read.iter().zip(&unknowns[all..]).for_each(|(j, value)| self.memory[*j] = *value);
+        self.put_memory();
+    }
+
+    /// F, then what is held less what it is set to.
+    fn left(&self) -> Vec<f64> {
+        let force = self.base.force(&self.q);
+        let values = self.assignments();
+        let differences =
+            self.equations().into_iter().map(|Assignment { target, place }| self.held(target) - values[place]);
+        force.into_iter().chain(differences).collect()
+    }
+
+    fn measures(&self) -> Vec<f64> {
+        let (slopes, unknowns) = (self.slopes(), self.unknowns());
+        let force = self.base.measure(&self.q);
+        let by_memory: Vec<f64> = (0..slopes.nrows())
+            .map(|row| (0..slopes.ncols()).map(|column| (slopes[(row, column)] * unknowns[column]).abs()).sum())
+            .collect();
+        let equations = self.equations();
+        let values = self.assignments();
+        let own = equations.iter().map(|assignment| values[assignment.place].abs());
+        force.into_iter().chain(own).zip(by_memory).map(|(own, sum)| own + sum).collect()
+    }
+
+    fn slopes(&self) -> DMatrix<f64> {
+        let (n, all, equations) = (self.n, self.base.n, self.equations());
+        let [_, damping, stiffness] = self.base.matrices(&self.q);
+        let (damping, stiffness, by_memory) = (damping.to_dense(), stiffness.to_dense(), self.forces_by_memory());
+        let mut slopes = DMatrix::zeros(all + equations.len(), all + self.read.len());
+        for column in 0..all {
+            let of = if column < n { &stiffness } else { &damping };
+            slopes.view_mut((0, column), (all, 1)).copy_from(&of.column(column));
+        }
+        for (k, j) in self.read.iter().enumerate() {
+            slopes.view_mut((0, all + k), (all, 1)).copy_from(&by_memory.column(*j));
+        }
+        let mut unit = vec![0.0; all];
+        for column in 0..slopes.ncols() {
+            let along = match column {
+                column if column < all => {
+                    unit[column] = 1.0;
+                    if column < n {
+                        Along { q: &unit, ..Along::default() }
+                    } else {
+                        Along { v: &unit, ..Along::default() }
+                    }
+                }
+                _ => Along { memory: Some(self.read[column - all]), ..Along::default() },
+            };
+            let found = self.assignments_along(&along);
+            for (row, Assignment { target, place }) in equations.iter().enumerate() {
+                let own = match target {
+                    Target::Memory(j) => column >= all && self.read[column - all] == *j as usize,
+                    Target::State(i) => column < all && column == *i as usize,
+                };
+                slopes[(all + row, column)] = f64::from(u8::from(own)) - found[*place];
+            }
+            unit.fill(0.0);
+        }
+        slopes
+    }
+}
