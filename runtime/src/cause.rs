@@ -119,6 +119,31 @@ pub enum Cause {
         /// The constraint whose reaction it is.
         constraint: String,
     },
+    /// What contacts do from here on is not decided by the forces: no combination of sticking, slipping and opening agrees with them, or
+    /// several do (Painlevé).
+    UndecidedContacts {
+        /// The combinations that agree.
+        found: Vec<String>,
+    },
+    /// Contacts strike at once, and what comes of it depends on the order.
+    SimultaneousImpacts {
+        /// The contacts.
+        contacts: Vec<String>,
+        /// The rates of all coordinates after impacts one after the other, SI.
+        sequential: Vec<f64>,
+        /// The same after impacts all at once.
+        together: Vec<f64>,
+    },
+    /// Impacts one after the other at an instant do not come to an end.
+    EndlessImpacts {
+        /// The contacts.
+        contacts: Vec<String>,
+    },
+    /// An impact would add to the energy, as Newton's law with friction may (Kane).
+    ImpactGainsEnergy {
+        /// How much, J.
+        energy: f64,
+    },
     /// The coordinates fail where the mechanism does not: an element of M grows beyond bounds.
     CoordinateSingularity {
         /// The coordinate.
@@ -252,6 +277,10 @@ impl Cause {
             Cause::ImpactsAccumulate { .. } => "impacts accumulate",
             Cause::ConstraintLost { .. } => "constraint lost",
             Cause::PainleveInconsistent { .. } => "inconsistent friction",
+            Cause::UndecidedContacts { .. } => "undecided contacts",
+            Cause::SimultaneousImpacts { .. } => "simultaneous impacts",
+            Cause::EndlessImpacts { .. } => "endless impacts",
+            Cause::ImpactGainsEnergy { .. } => "impact gains energy",
             Cause::CoordinateSingularity { .. } => "coordinate singularity",
             Cause::Chattering { .. } => "chattering",
             Cause::DirectionLost { .. } | Cause::EndsMeet { .. } => "direction lost",
@@ -352,6 +381,37 @@ impl fmt::Display for Cause {
                 "inconsistent friction: what `reaction({constraint})` makes of friction leaves no reaction that keeps the \
                  constraint, as where a rod jams against the ground (Painlevé); let the contact be lost, or less rough"
             ),
+            Cause::UndecidedContacts { found } if found.is_empty() => write!(
+                f,
+                "undecided contacts: no combination of sticking, slipping and opening agrees with the forces here, as where a rod jams \
+                 against the ground (Painlevé); let the contact be less rough"
+            ),
+            Cause::UndecidedContacts { found } => write!(
+                f,
+                "undecided contacts: {count} combinations of what contacts do agree with the forces here ({list}), and none of them is the \
+                 present one (Painlevé); let the contact be less rough, or start with one of them as `phase`",
+                count = found.len(),
+                list = found.join("; ")
+            ),
+            Cause::SimultaneousImpacts { contacts, sequential, together } => write!(
+                f,
+                "simultaneous impacts: {list} strike at once; one after the other the rates would be [{sequential}], all at once \
+                 [{together}]; say which with `impacts: sequential`, `together` or `poisson`",
+                list = quoted(contacts),
+                sequential = numbers(sequential),
+                together = numbers(together)
+            ),
+            Cause::EndlessImpacts { contacts } => write!(
+                f,
+                "endless impacts: those of {list} at this instant do not come to an end one after the other; take `impacts: together` or \
+                 `poisson`",
+                list = quoted(contacts)
+            ),
+            Cause::ImpactGainsEnergy { energy } => write!(
+                f,
+                "impact gains energy: {energy} J, which Newton's law of restitution may do with friction (Kane); take `impacts: poisson`",
+                energy = short(*energy)
+            ),
             Cause::CoordinateSingularity { coordinate, t } => write!(
                 f,
                 "coordinate singularity: `{coordinate}` cannot describe the motion beyond t = {t} s, where its inertia \
@@ -396,4 +456,16 @@ impl fmt::Display for Cause {
             }
         }
     }
+}
+
+fn quoted(names: &[String]) -> String {
+    names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+}
+
+/// The first numbers of a list.
+fn numbers(list: &[f64]) -> String {
+    const SHOWN: usize = 8;
+    let shown: Vec<String> = list.iter().take(SHOWN).map(|x| short(*x)).collect();
+    let more = if list.len() > SHOWN { ", …" } else { "" };
+    format!("{}{more}", shown.join(", "))
 }

@@ -5,15 +5,19 @@
 //! 2. After every step positions and speeds go back to the constraints, in the metric of M: look in `projection.rs`.
 //! 3. Jumps of the speeds where constraints are entered or struck: look in `impact.rs`.
 //!
+//! 4. What friction and contacts do by themselves: look in `contacts`.
+//!
 //! The elimination of accelerations and multipliers is `mechanism/kkt/mod.rs`.
 
 mod branch;
+mod contacts;
 mod impact;
 mod projection;
 mod start;
 mod start_conditions;
 
 pub(crate) use branch::{Elsewhere, other_branch};
+pub(crate) use contacts::{Change, Strike, settle, strike};
 pub(crate) use impact::{VelocityJump, possible_restitution, possible_restitutions, velocity_jump};
 pub(crate) use projection::Projection;
 pub use projection::Residuals;

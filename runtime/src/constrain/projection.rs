@@ -198,6 +198,11 @@ impl Projection {
         }
     }
 
+    /// The largest Σ |terms| that each row has had.
+    pub fn scales(&self) -> &[f64] {
+        &self.scales
+    }
+
     /// Whether a holonomic row does not hold at the state that was observed last, and by how much it is missed.
     pub fn misses(&self, row: usize) -> Option<f64> {
         let c = self.triples[3 * row];

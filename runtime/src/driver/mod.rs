@@ -8,6 +8,7 @@
 
 mod between;
 mod constraints;
+mod contact;
 mod first;
 mod followed;
 mod interrupt;

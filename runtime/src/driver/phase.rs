@@ -48,11 +48,19 @@ struct Struck {
 }
 
 /// What an action did.
-struct Done {
+pub(super) struct Done {
     /// Whether the state or the phase may have changed.
-    acts: bool,
+    pub acts: bool,
     /// Whether speeds jumped, or would have if there were any.
-    strikes: bool,
+    pub strikes: bool,
+}
+
+/// The highest hop that is lost in rounding.
+pub(super) struct LowHop {
+    /// What brings it back: c''.
+    pub back: f64,
+    /// The rate with which it begins.
+    pub rate: f64,
 }
 
 /// The impacts of all events.
@@ -63,7 +71,7 @@ pub(super) struct Impacts {
 
 impl Impacts {
     /// Notes an impact of an event at t; the time at which they accumulate where that is known well enough.
-    fn note(&mut self, event: usize, t: f64) -> Option<f64> {
+    pub fn note(&mut self, event: usize, t: f64) -> Option<f64> {
         if self.of.len() <= event {
             self.of.resize(event + 1, ZenoDetector::default());
         }
@@ -71,7 +79,7 @@ impl Impacts {
     }
 
     /// Begins anew with those of an event.
-    fn forget(&mut self, event: usize) {
+    pub fn forget(&mut self, event: usize) {
         self.of.get_mut(event).into_iter().for_each(|zeno| *zeno = ZenoDetector::default());
     }
 }
@@ -113,7 +121,10 @@ impl Integration {
                 true => locator.values(system, (self.clock.now(), self.stepper.start().y)),
                 false => Vec::new(),
             };
-            let enters = fired.iter().flat_map(|fired| &fired.actions).any(|action| matches!(action, Action::Phase(_)));
+            let enters = fired
+                .iter()
+                .flat_map(|fired| &fired.actions)
+                .any(|action| matches!(action, Action::Phase(_) | Action::Contact(_)));
             'all: for Fired { event, actions, pending } in &fired {
                 let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
                 if *pending {
@@ -224,6 +235,7 @@ impl Integration {
         match action {
             Action::Stop | Action::Record | Action::Set(_) => Ok(Done { acts: false, strikes: false }),
             Action::Phase(phase) => self.alternate(system, (event, phase as usize), recorder),
+            Action::Contact(contact) => self.change_contact(system, (event, contact as usize), recorder),
             Action::Impact { along, restitution } => {
                 let Struck { restitution: e, impulses } = self.strike(system, along, restitution as usize, recorder)?;
                 let now = self.clock.now();
@@ -250,11 +262,25 @@ impl Integration {
 
     /// Whether the hop after an impact, c'²/(2 |c''|) high, is below the rounding of what it is a hop from.
     fn is_too_low(&self, system: &dyn System, along: u32) -> bool {
+        let n = system.len();
+        let mut triples = vec![0.0; 3 * system.description().rows.len()];
+        system.constraints(At::packed(self.clock.now(), self.stepper.start().y, n), &mut triples);
+        let hops = self.low_hops(system, &[]);
+        let low = |row: &usize| {
+            let rate = triples[3 * row + 1];
+            rate * hops[*row].back <= 0.0 && rate.abs() <= hops[*row].rate
+        };
+        !hops.is_empty() && rows_of(system, along).iter().all(low)
+    }
+
+    /// Of each row the hop, c'²/(2 |c''|) high, that is lost in the rounding of what it is a hop from: of the sum of the terms of c, here or as
+    /// large as `scales` know it; none where accelerations are not known.
+    pub(super) fn low_hops(&self, system: &dyn System, scales: &[f64]) -> Vec<LowHop> {
         let (n, count) = (system.len(), system.description().rows.len());
         let at = At::packed(self.clock.now(), self.stepper.start().y, n);
         let (mut triples, mut a, mut bias) = (vec![0.0; 3 * count], vec![0.0; n], vec![0.0; count]);
         if system.accelerations_and_multipliers(at, &mut a, &mut bias).is_err() {
-            return false;
+            return Vec::new();
         }
         system.constraints(at, &mut triples);
         system.constraint_bias(at, &mut bias);
@@ -264,11 +290,11 @@ impl Integration {
         for ((row, column), value) in pattern.iter().zip(values) {
             bias[*row as usize] += value * a[*column as usize];
         }
-        let low = |row: &usize| {
-            let (rate, back) = (triples[3 * row + 1], bias[*row]);
-            rate * back <= 0.0 && rate * rate <= 2.0 * back.abs() * LOW * triples[3 * row + 2]
+        let hop = |(row, back): (usize, f64)| {
+            let terms = triples[3 * row + 2].max(scales.get(row).copied().unwrap_or(0.0));
+            LowHop { back, rate: (2.0 * back.abs() * LOW * terms).sqrt() }
         };
-        rows_of(system, along).iter().all(low)
+        bias.into_iter().enumerate().map(hop).collect()
     }
 
     /// Goes on in a phase; where its entries, each of which takes speed away, accumulate, as those of a block that rocks to
@@ -292,7 +318,7 @@ impl Integration {
 
     /// Goes on in a phase: its constraints must hold, and take away what speed they do not leave, by impulses of which `known` are
     /// others than the speeds at this instant show; true where there were any.
-    fn enter(
+    pub(super) fn enter(
         &mut self,
         system: &mut dyn System,
         phase: usize,
@@ -378,7 +404,7 @@ impl Integration {
     }
 
     /// Lets speeds jump; true where that is more than rounding.
-    fn take(
+    pub(super) fn take(
         &mut self,
         system: &dyn System,
         VelocityJump { jump, rows }: VelocityJump,

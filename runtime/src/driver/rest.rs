@@ -37,7 +37,9 @@ impl Integration {
 
     /// Whether the mechanism is where it will be until the end: at rest, whatever its events do.
     pub(super) fn stays(&self, system: &dyn System) -> bool {
-        let acts = |action: &Action| matches!(action, Action::Phase(_) | Action::Impact { .. } | Action::Set(_));
+        let acts = |action: &Action| {
+            matches!(action, Action::Phase(_) | Action::Impact { .. } | Action::Set(_) | Action::Contact(_))
+        };
         let events = &system.description().events;
         !events.iter().any(|event| event.actions.iter().any(acts)) && self.is_at_rest(system)
     }

@@ -2,7 +2,7 @@
 
 use super::certify::Sample;
 use crate::integrate::Segment;
-use crate::mechanism::{At, Rated, System};
+use crate::mechanism::{Action, At, Rated, System};
 
 /// Evaluates the watched functions: the events' first, then the switches' arguments.
 #[derive(Clone, Debug)]
@@ -88,7 +88,10 @@ impl Sampler {
     ) -> f64 {
         self.at_state(system, t, y);
         let before = self.value(event);
-        if hit && self.rated[event] == Rated::Whole && (self.rates[event] * step).abs() > STILL * largest {
+        // Which contacts stay closed is decided: one that does not leaves as its rate says.
+        let decided = || matches!(system.description().events[event].actions[..], [Action::Contact(_)]);
+        let shows = hit && (self.rates[event] * step).abs() > STILL * largest;
+        if self.rated[event] == Rated::Whole && (shows || self.rates[event] > 0.0 && decided()) {
             // What was struck leaves as its rate says, however low it hops.
             return self.rates[event].signum();
         }

@@ -274,6 +274,8 @@ pub enum Action {
     },
     /// Sets held values, or states of first order: the place among [`Sampling::sets`](super::Sampling::sets).
     Set(u32),
+    /// Decides anew what all contacts do: the place of the one that changes among [`Contacts::all`](super::Contacts::all).
+    Contact(u32),
 }
 
 /// A discontinuity of the equations of motion: `sign`, `abs`, `step`, `min` or `max` of something.

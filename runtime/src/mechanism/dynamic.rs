@@ -5,8 +5,8 @@ use super::dual::{Dual, moving, replaced_input, rounded, seed, still};
 use super::phased::{Phased, RowHistory, sprung};
 use super::system::Replaced;
 use super::{
-    Along, At, Description, Energy, Enforcement, Function, Gimbal, Mechanism, Motion, MotionNumbers, Sampling, Scene,
-    Series, Signal, Singular, System, Values,
+    Along, At, Contacts, Description, Energy, Enforcement, Function, Gimbal, Mechanism, Motion, MotionNumbers,
+    Sampling, Scene, Series, Signal, Singular, System, Values,
 };
 use crate::cause::NoSeries;
 
@@ -238,6 +238,10 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
 
     fn sampling(&self) -> &Sampling {
         M::sampling()
+    }
+
+    fn contacts(&self) -> &Contacts {
+        M::contacts()
     }
 
     fn memory(&self) -> &[f64] {

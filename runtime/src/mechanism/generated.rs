@@ -1,7 +1,8 @@
 //! The trait that `model!` implements.
 
+use super::contacts::NONE;
 use super::sampling::NOTHING;
-use super::{Description, Energy, Gimbal, Motion, Real, Sampling, Scene, Series, SingularMass};
+use super::{Contacts, Description, Energy, Gimbal, Motion, Real, Sampling, Scene, Series, SingularMass};
 
 /// A block of scalars of a size that only generated code knows: an array `[S; K]`.
 #[doc(hidden)]
@@ -47,6 +48,10 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
     /// What is held, set and sampled.
     fn sampling() -> &'static Sampling {
         &NOTHING
+    }
+    /// Friction that may stick and contacts that may open.
+    fn contacts() -> &'static Contacts {
+        &NONE
     }
     /// Values of all that events set, set by set.
     fn assignments<S: Real>(

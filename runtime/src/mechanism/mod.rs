@@ -2,6 +2,7 @@
 
 mod at;
 mod balances;
+mod contacts;
 pub(crate) mod dense;
 mod description;
 mod dual;
@@ -26,6 +27,7 @@ mod table;
 
 pub use at::At;
 pub use balances::Balances;
+pub use contacts::{Contact, ContactEvent, ContactMode, Contacts, ImpactLaw};
 pub use description::{
     Action, Argument, Balance, BalanceSystem, Coordinate, Counts, Description, Direction, Event, Gimbal, InputJump,
     Integral, List, Parameter, Part, Phase, Quantity, Rated, Role, Row, Shape, Structure, Switch, SwitchKind, Text,

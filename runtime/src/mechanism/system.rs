@@ -1,8 +1,10 @@
 //! The object-safe face of a mechanism, on slices: everything downstream is written once over it.
 
+use super::contacts::NONE;
 use super::sampling::NOTHING;
 use super::{
-    At, Description, Energy, Enforcement, Gimbal, Motion, MotionNumbers, RowHistory, Sampling, Scene, Series, Singular,
+    At, Contacts, Description, Energy, Enforcement, Gimbal, Motion, MotionNumbers, RowHistory, Sampling, Scene, Series,
+    Singular,
 };
 use crate::cause::NoSeries;
 
@@ -32,6 +34,11 @@ pub trait System: Send + Sync {
     /// What is held between events, what sets it, and when.
     fn sampling(&self) -> &Sampling {
         &NOTHING
+    }
+
+    /// Friction that may stick and contacts that may open.
+    fn contacts(&self) -> &Contacts {
+        &NONE
     }
 
     /// The held values, in the order of `sampling().memory`.

@@ -58,7 +58,7 @@ impl Junctions {
         let before = Side::new(system, t, y);
         let acts = |event: &usize| {
             let actions = &system.description().events[*event].actions;
-            actions.iter().any(|action| matches!(action, Action::Phase(_) | Action::Impact { .. }))
+            actions.iter().any(|action| matches!(action, Action::Phase(_) | Action::Impact { .. } | Action::Contact(_)))
         };
         let (after, events) = (before.clone(), events.filter(acts).collect());
         self.left = Some(Junction { before, after, events, jumps: Vec::new(), accumulates: false });

@@ -124,7 +124,7 @@ fn is_on_parabolas(settings: &Settings, description: &Description) -> bool {
 
 /// Whether events and discontinuities that the state meets divide the motion.
 fn is_cut(description: &Description) -> bool {
-    let divides = |action: &Action| matches!(action, Action::Phase(_) | Action::Impact { .. });
+    let divides = |action: &Action| matches!(action, Action::Phase(_) | Action::Impact { .. } | Action::Contact(_));
     description.events.iter().any(|event| event.actions.iter().any(divides))
         || description.switches.iter().any(|switch| !switch.time_only)
 }

@@ -19,6 +19,7 @@ mod settings;
 mod tests;
 mod typed;
 
+use std::borrow::Cow;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Instant;
@@ -35,7 +36,7 @@ pub use settings::Settings;
 pub use typed::Simulate;
 
 use crate::cause::{Cause, NoSeries};
-use crate::constrain::{self, Elsewhere, consistent, other_branch};
+use crate::constrain::{self, Change, Elsewhere, consistent, other_branch, settle};
 use crate::driver::{Integration, StepPolicy};
 use crate::error::Error;
 use crate::events::{Ticks, begin_at};
@@ -61,6 +62,7 @@ pub fn simulate_with(
     settings: &Settings,
     progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Run, Error> {
+    let settings = &*settled(system, settings);
     let parts = decoupled::parts(system, settings)?;
     let outcome = if parts.is_empty() {
         together(system, settings, progress)
@@ -120,6 +122,29 @@ fn no_series(system: &dyn System, settings: &Settings) -> Option<NoSeries> {
     }
 }
 
+/// Settings with the phase in which contacts begin; as they are where that is not to be decided, or cannot be: why will be told when the run
+/// begins.
+fn settled<'a>(system: &mut dyn System, settings: &'a Settings) -> Cow<'a, Settings> {
+    if system.contacts().all.is_empty() || settings.check(system.description()).is_err() {
+        return Cow::Borrowed(settings);
+    }
+    let guess = [settings.q.as_slice(), settings.v.as_slice()].concat();
+    system.set_phase(settings.phase);
+    let held = settings.held();
+    begin_at(system, settings.from, &guess);
+    let start = constrain::Start {
+        t: settings.from,
+        y: &guess,
+        held: &held,
+        start_conditions: settings.start_conditions.clone(),
+    };
+    let phase = consistent(system, &start).and_then(|y| settle(system, (settings.from, &y, &[]), Change::Start));
+    match phase {
+        Ok(phase) => Cow::Owned(Settings { phase, ..settings.clone() }),
+        Err(_) => Cow::Borrowed(settings),
+    }
+}
+
 /// A run that has begun, or could not.
 struct Start {
     integration: Integration,
@@ -130,6 +155,7 @@ struct Start {
 /// Begins a run whose states are reported at this spacing.
 fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Start, Error> {
     settings.check(system.description())?;
+    let settings = &*settled(system, settings);
     if let Some(reason) = no_series(system, settings).filter(|_| settings.method == Method::Taylor) {
         return Err(Error::NoSeries { reason });
     }
@@ -164,7 +190,10 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
         held: &held,
         start_conditions: settings.start_conditions.clone(),
     };
-    let met = consistent(system, &start);
+    let mut met = consistent(system, &start);
+    if !system.contacts().all.is_empty() {
+        met = met.and_then(|y| settle(system, (settings.from, &y, &[]), Change::Start).map(|_| y));
+    }
     let alone = settings.guessed || !settings.watch;
     let elsewhere = met.as_ref().ok().filter(|_| !alone).and_then(|y| other_branch(system, &start, y));
     let (y, met) = met.map_or_else(|cause| (guess, Err(cause)), |y| (y, Ok(())));

@@ -3,6 +3,8 @@
 //! A and b come from the balances alone: A by one reverse pass for each equation (or one forward pass for all where
 //! that is cheaper, which is decided when lowering), b as what is left where all unknowns are zero.
 
+use std::collections::BTreeMap;
+
 use super::Rows;
 use super::switches::{self, Switch};
 use crate::expr::{Graph, Id, Symbol, gradients, jacobian, substitute};
@@ -42,8 +44,8 @@ pub(crate) fn systems(model: &mut Model, rows: &Rows, known: &[Switch]) -> Vec<M
 
 fn linear(model: &mut Model, rows: &Rows, system: &BalanceSystem, known: &[Switch]) -> Momentum {
     let unknowns = unknowns(model, system);
-    let active = system.phases.first().and_then(|phase| model.phases.get(*phase));
-    let active: Vec<usize> = active.map_or_else(Vec::new, |phase| model.rows_of(phase));
+    let active = model.rows_of_system(system);
+    let acts = contact_rows_act(model, system);
     let graph = &mut model.graph;
     let mut residuals = Vec::new();
     for balance in &system.balances {
@@ -57,9 +59,36 @@ fn linear(model: &mut Model, rows: &Rows, system: &BalanceSystem, known: &[Switc
         residuals = in_phase(graph, model.phases.len(), *phase, &residuals);
         of_bodies = in_phase(graph, model.phases.len(), *phase, &of_bodies);
     }
-    residuals.extend(rows.accelerations(graph, &active));
+    for (acceleration, row) in rows.accelerations(graph, &active).into_iter().zip(&active) {
+        residuals.push(match acts.get(row) {
+            None => acceleration,
+            Some(acts) => holds_or_is_free(graph, *acts, acceleration, *row),
+        });
+    }
     let bodies = (!of_bodies.is_empty()).then(|| Box::new(solved_for(graph, &of_bodies, &unknowns, known)));
     Momentum { constraints: active.len(), bodies, ..solved_for(graph, &residuals, &unknowns, known) }
+}
+
+/// Of each contact's row, in a system of all phases, the indicator of those in which it acts.
+fn contact_rows_act(model: &mut Model, system: &BalanceSystem) -> BTreeMap<usize, Id> {
+    let mut acts = BTreeMap::new();
+    if system.phases.len() < 2 {
+        return acts;
+    }
+    for row in model.contact_rows() {
+        let phases: Vec<usize> =
+            (0..model.phases.len()).filter(|k| model.rows_of(&model.phases[*k]).contains(&row)).collect();
+        acts.insert(row, model.graph.in_phases(&phases, model.phases.len()));
+    }
+    acts
+}
+
+/// c'' = 0 where a row acts, λ = 0 where it does not: (acts) c'' + (1 − acts) λ.
+fn holds_or_is_free(graph: &mut Graph, acts: Id, acceleration: Id, row: usize) -> Id {
+    let multiplier = graph.symbol(Symbol::Multiplier(row as u32));
+    let free = graph.sub(Id::ONE, acts);
+    let (held, free) = (graph.mul(acts, acceleration), graph.mul(free, multiplier));
+    graph.add(held, free)
 }
 
 /// Residuals as linear equations in the unknowns.
@@ -89,6 +118,9 @@ pub(crate) fn unknowns(model: &Model, system: &BalanceSystem) -> Vec<Symbol> {
     for phase in &system.phases {
         let values = in_phase(&mut graph, model.phases.len(), *phase, &values);
         multipliers.extend(graph.symbols(values).into_iter().filter(|s| matches!(s, Symbol::Multiplier(_))));
+    }
+    if system.phases.len() > 1 {
+        multipliers.extend(model.contact_rows().into_iter().map(|row| Symbol::Multiplier(row as u32)));
     }
     multipliers.sort_unstable();
     multipliers.dedup();

@@ -74,7 +74,7 @@ impl Turns {
         let mut events = Vec::new();
         for (place, event) in model.events.iter().enumerate() {
             let act = |action: &EventAction| match *action {
-                EventAction::Stop | EventAction::Record | EventAction::Set(_) => None,
+                EventAction::Stop | EventAction::Record | EventAction::Set(_) | EventAction::Contact(_) => None,
                 EventAction::Phase(phase) => Some(Act::Phase(phase)),
                 EventAction::Impact { restitution, along } => {
                     let constraint = &model.constraints[along];

@@ -199,7 +199,7 @@ fn differs(value: &Tape, before: &State, after: &State) -> bool {
 /// The rows that an action makes push, beside those of its phase.
 fn rows_of(model: &Model, motion: &Motion, phase: usize, action: &EventAction) -> Vec<usize> {
     match action {
-        EventAction::Stop | EventAction::Record | EventAction::Set(_) => Vec::new(),
+        EventAction::Stop | EventAction::Record | EventAction::Set(_) | EventAction::Contact(_) => Vec::new(),
         EventAction::Phase(next) => {
             let active = motion.constraints.active(phase);
             motion.constraints.active(*next).iter().filter(|row| !active.contains(row)).copied().collect()

@@ -38,6 +38,9 @@ impl Ast {
     }
 }
 
+/// What stands after the point in `c.friction`, the sliding of the contact c.
+pub const FRICTION: u8 = 3;
+
 /// The forms of LANGUAGE section 1.
 #[derive(Clone, Debug, PartialEq)]
 pub enum AstKind {
@@ -58,7 +61,7 @@ pub enum AstKind {
     Binary(Operator, Box<Ast>, Box<Ast>),
     /// `[a, b]` or `[a, b, c]`.
     Vector(Vec<Ast>),
-    /// `e.x`, `e.y`, `e.z`: 0, 1 or 2.
+    /// `e.x`, `e.y`, `e.z`: 0, 1 or 2; `c.friction`: [`FRICTION`].
     Component(Box<Ast>, u8),
     /// `f(a, b)` for every function but the ones below.
     Call {

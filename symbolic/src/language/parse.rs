@@ -3,7 +3,7 @@
 use super::cursor::{Parsed, Parser, Reported};
 use super::function::{function, is_reserved};
 use super::token::{Kind, Token, shorten};
-use super::{Ast, AstKind, Operator, Range, Span};
+use super::{Ast, AstKind, FRICTION, Operator, Range, Span};
 use crate::diagnose::{Problem, catalogue::syntax};
 
 /// Deepest nesting of parentheses, calls, powers and signs; how many terms a sum has does not count.
@@ -193,6 +193,7 @@ impl<'a> Parser<'a> {
             "x" => 0,
             "y" => 1,
             "z" => 2,
+            "friction" => FRICTION,
             text if name.kind == Kind::Name => {
                 let problem = syntax::unknown_component(name.span.place(), shorten(text));
                 return self.report(problem);

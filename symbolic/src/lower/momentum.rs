@@ -99,8 +99,7 @@ fn equation_names(model: &Model, system: &BalanceSystem) -> Vec<(String, bool)> 
             n => names.extend(AXES.iter().take(n).map(|axis| (format!("{axis} of {}", balance.label), void))),
         }
     }
-    let phase = system.phases.first().and_then(|phase| model.phases.get(*phase));
-    let rows = phase.map_or_else(Vec::new, |phase| model.rows_of(phase));
+    let rows = model.rows_of_system(system);
     names.extend(rows.into_iter().map(|row| (format!("the constraint {}", model.row_name(row)), false)));
     names
 }

@@ -51,7 +51,10 @@ pub(super) fn reads(
     events: &[Event],
 ) -> Option<Vec<Vec<usize>>> {
     let changes = |action: &EventAction| {
-        matches!(action, EventAction::Phase(_) | EventAction::Impact { .. } | EventAction::Set(_))
+        matches!(
+            action,
+            EventAction::Phase(_) | EventAction::Impact { .. } | EventAction::Set(_) | EventAction::Contact(_)
+        )
     };
     if events.iter().any(|event| event.actions.iter().any(changes)) {
         return None;

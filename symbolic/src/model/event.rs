@@ -55,6 +55,8 @@ pub enum EventAction {
     Phase(usize),
     /// Sets held values, or states of first order; by the place of the set.
     Set(usize),
+    /// Decides anew what all contacts do; by the place of the one that changes.
+    Contact(usize),
     /// An impulse along a constraint that is not active.
     Impact {
         /// The coefficient of restitution e, of parameters: the constraint's rate becomes −e times what it was.

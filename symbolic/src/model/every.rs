@@ -52,6 +52,7 @@ impl Model {
                 _ => None,
             }));
         }
+        found.extend(self.contacts.iter_mut().filter_map(|contact| contact.restitution.as_mut()));
         found.extend(self.sets.iter_mut().flat_map(|set| &mut set.values).map(|(_, value)| value));
         found.extend(self.draw.iter_mut().flat_map(of_shape));
         let motions = self.motions.iter_mut().map(|motion| &mut motion.scene);

@@ -40,6 +40,7 @@ pub const METHODS: &[&str] = &[
     "constraint_matrix",
     "constraint_rate_jacobian",
     "constraints",
+    "contacts",
     "default",
     "deref",
     "deref_mut",

@@ -1,6 +1,7 @@
 //! The model: names resolved, families expanded, every expression in the graph, units checked.
 
 pub(crate) mod command;
+mod contact;
 mod event;
 mod every;
 mod expression;
@@ -15,6 +16,7 @@ mod section;
 mod text;
 
 pub use command::Sets;
+pub use contact::{Contact, ContactMode, ImpactLaw, combinations};
 pub use event::{Clock, Event, EventAction, HeldValue, Set, Target, Trigger};
 pub use gimbals::Gimbal;
 pub use identifier::{KEYWORDS, METHODS, field_name, is_snake_case, local_name, method_name, type_name};

@@ -13,7 +13,7 @@ use crate::diagnose::{Place, Problem, Step};
 use crate::file::{Node, Spot};
 
 /// Every key that a model file may have.
-const KEYS: [&str; 34] = [
+const KEYS: [&str; 37] = [
     "name",
     "about",
     "sizes",
@@ -38,6 +38,9 @@ const KEYS: [&str; 34] = [
     "generalized_forces",
     "constraints",
     "joints",
+    "friction",
+    "contacts",
+    "impacts",
     "phases",
     "events",
     "balances",
@@ -119,6 +122,7 @@ fn resolve_through(root: &Node, sizes: &[(String, i64)], folder: Option<&Path>) 
     resolver.start_conditions(held);
     resolver.needed();
     resolver.events();
+    resolver.contact_events();
     resolver.motions();
     resolver.idle_constraints();
     resolver.draw();

@@ -1,5 +1,6 @@
 //! A model with every name resolved and every family expanded: expressions of one graph.
 
+use super::contact::{Contact, ImpactLaw};
 use super::event::{Clock, Event, HeldValue, Set};
 use super::expression::scope::Scope;
 use super::gimbals::Gimbal;
@@ -98,6 +99,10 @@ pub struct Model {
     pub events: Vec<Event>,
     /// What events set, each at once.
     pub sets: Vec<Set>,
+    /// Friction that may stick, and contacts that may open.
+    pub contacts: Vec<Contact>,
+    /// What several contacts that strike at once do, where the file says so.
+    pub impacts: Option<ImpactLaw>,
     /// The clocks of events that happen again and again.
     pub clocks: Vec<Clock>,
     /// What to draw.
@@ -161,6 +166,30 @@ impl Model {
         let constraints = phase.constraints.iter().map(|k| &self.constraints[*k]);
         let mut rows: Vec<usize> = constraints.flat_map(|c| c.first..c.first + c.value.len()).collect();
         rows.sort_unstable();
+        rows
+    }
+
+    /// The rows of these constraints, which contacts have.
+    pub(crate) fn rows_of_contacts(&self, constraints: impl Iterator<Item = usize>) -> Vec<usize> {
+        constraints.filter_map(|place| self.constraints.get(place)).map(|constraint| constraint.first).collect()
+    }
+
+    /// The rows of all contacts' constraints.
+    pub fn contact_rows(&self) -> Vec<usize> {
+        let constraints = |contact: &Contact| [contact.normal, contact.tangent].into_iter().flatten();
+        self.rows_of_contacts(self.contacts.iter().flat_map(constraints))
+    }
+
+    /// The rows that a system of balances has as equations of its own: those of its phase, and with contacts, which belong to all phases,
+    /// those of all contacts, whether they act or not.
+    pub fn rows_of_system(&self, system: &BalanceSystem) -> Vec<usize> {
+        let active = system.phases.first().and_then(|phase| self.phases.get(*phase));
+        let mut rows = active.map_or_else(Vec::new, |phase| self.rows_of(phase));
+        if system.phases.len() > 1 {
+            let contacts = self.contact_rows();
+            rows.retain(|row| !contacts.contains(row));
+            rows.extend(contacts);
+        }
         rows
     }
 

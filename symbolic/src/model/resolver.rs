@@ -10,6 +10,7 @@ use super::expression::index::MEMBER_LIMIT;
 use super::expression::rules::Rules;
 use super::expression::scope::{Entry, Member, Scope, Section};
 use super::resolved::Model;
+use super::section::contacts::ContactText;
 use super::section::joints::Fixed;
 use super::section::resolve_values::{Item, Want};
 use super::section::watched::Watched;
@@ -39,6 +40,8 @@ pub struct Resolver<'a> {
     pub masses: Vec<(Id, &'static str, Place)>,
     /// Where files that the model names are; `None` where it is in no folder.
     pub folder: Option<PathBuf>,
+    /// Contacts, to be looked at when values are known.
+    pub contacts: Vec<ContactText>,
     /// The result so far.
     pub model: Model,
     names: usize,
@@ -56,6 +59,7 @@ impl<'a> Resolver<'a> {
             watched: BTreeMap::new(),
             fixed: Vec::new(),
             masses: Vec::new(),
+            contacts: Vec::new(),
             folder: folder.map(Path::to_owned),
             model: Model::default(),
             names: 0,

@@ -133,6 +133,7 @@ pub(super) fn description(program: &Program, source: &str) -> String {
                 EventAction::Record => "mechanism::Action::Record".to_owned(),
                 EventAction::Phase(k) => format!("mechanism::Action::Phase({k})"),
                 EventAction::Set(k) => format!("mechanism::Action::Set({k})"),
+                EventAction::Contact(k) => format!("mechanism::Action::Contact({k})"),
                 EventAction::Impact { along, .. } => {
                     impacts += 1;
                     format!("mechanism::Action::Impact {{ along: {along}, restitution: {} }}", impacts - 1)

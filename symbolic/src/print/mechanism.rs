@@ -9,7 +9,7 @@ use super::parameters::field;
 use super::rust::UNJUDGED;
 use super::series::recurrences;
 use super::words::comment;
-use super::{memory, momentum, motions, parts, scenes};
+use super::{contacts, memory, momentum, motions, parts, scenes};
 use crate::expr::Id;
 use crate::lower::{Accelerations, Entry, Program};
 use crate::model::{Gimbal, Model, text};
@@ -76,6 +76,7 @@ impl Mechanism<'_> {
         out += &momentum::balances(program, &self.bodies, self.block);
         out += &self.parameters();
         out += &memory::memory(program, &self.bodies, &self.unhoisted);
+        out += &contacts::contacts(program);
         out += &scenes::scenes(program, &self.unhoisted);
         out += &motions::motions(program, &self.unhoisted);
         out + "}\n"

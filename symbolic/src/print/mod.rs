@@ -2,6 +2,7 @@
 
 mod body;
 mod constants;
+mod contacts;
 mod description;
 mod documentation;
 mod formula;

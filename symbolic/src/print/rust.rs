@@ -9,7 +9,7 @@ use super::parameters::parameters;
 use super::scope::Names;
 use crate::expr::{Id, Node, Number, Rational, Symbol, Table, Unary};
 use crate::lower::{Accelerations, Program};
-use crate::model::{Clock, EventAction, Goal};
+use crate::model::{Clock, Contact, EventAction, Goal};
 
 /// The items that `model!` expands to: the type, its parameters, and its `Mechanism`.
 ///
@@ -169,12 +169,25 @@ impl Program {
         self.report.ranks.get(phase).copied().unwrap_or_else(rows)
     }
 
-    /// The coefficients of restitution of all impacts, in the order of the events.
+    /// The coefficients of restitution of all impacts, in the order of the events, then of all contacts that have one.
     pub fn restitutions(&self) -> Vec<Id> {
         let actions = self.model.events.iter().flat_map(|event| &event.actions);
-        actions
-            .filter_map(|a| if let EventAction::Impact { restitution, .. } = a { Some(*restitution) } else { None })
-            .collect()
+        let of_events = actions
+            .filter_map(|a| if let EventAction::Impact { restitution, .. } = a { Some(*restitution) } else { None });
+        of_events.chain(self.model.contacts.iter().filter_map(|contact| contact.restitution)).collect()
+    }
+
+    /// The place of each contact's coefficient of restitution among [`Program::restitutions`].
+    pub fn restitutions_of_contacts(&self) -> Vec<Option<usize>> {
+        let mut next =
+            self.restitutions().len() - self.model.contacts.iter().filter(|c| c.restitution.is_some()).count();
+        let place = |contact: &Contact| {
+            contact.restitution.map(|_| {
+                next += 1;
+                next - 1
+            })
+        };
+        self.model.contacts.iter().map(place).collect()
     }
 
     /// What held values are where a scene starts, of parameters.

@@ -462,7 +462,8 @@ impl EventLocator {
     pub fn already_past<S: System + ?Sized>(&mut self, system: &S, (t, y): (f64, &[f64]), entered: bool) -> Vec<Fired> {
         let mut fired = Vec::new();
         for (function, event) in system.description().events.iter().enumerate() {
-            let changes = |action: &Action| matches!(action, Action::Phase(_) | Action::Impact { .. });
+            let changes =
+                |action: &Action| matches!(action, Action::Phase(_) | Action::Impact { .. } | Action::Contact(_));
             if !event.actions.iter().any(changes) || !self.scanner.awake(function) {
                 continue;
             }

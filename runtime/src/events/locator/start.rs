@@ -55,6 +55,10 @@ impl EventLocator {
         let mut fired = self.already_past(system, (t, y), true);
         fired.retain(|Fired { event, actions, .. }| {
             let beyond = self.scanner.sides[*event] != 0.0;
+            // What contacts do at the start is decided: only those that approach are left.
+            if actions.iter().any(|action| matches!(action, Action::Contact(_))) {
+                return !beyond;
+            }
             let strikes = actions.iter().any(|action| matches!(action, Action::Impact { .. }));
             if strikes && beyond {
                 past.push(*event);

@@ -3,15 +3,16 @@
 use dalembert_symbolic::derive::SwitchKind as SymbolicSwitchKind;
 use dalembert_symbolic::lower::{self, Entry, MomentumSystem, Program, Rate};
 use dalembert_symbolic::model::{
-    EventAction, Gimbal as SymbolicGimbal, Goal as SymbolicGoal, Image, Motion as SymbolicMotion,
-    Shape as SymbolicShape, Solid, Target as SymbolicTarget, Trigger as SymbolicTrigger,
+    EventAction, Gimbal as SymbolicGimbal, Goal as SymbolicGoal, Image, ImpactLaw as SymbolicImpactLaw,
+    Motion as SymbolicMotion, Shape as SymbolicShape, Solid, Target as SymbolicTarget, Trigger as SymbolicTrigger,
 };
 use dalembert_symbolic::{expr, print};
 
 use crate::mechanism::{
-    Action, Argument, Balance, BalanceSystem, Clock, Closes, ClosesBy, Coordinate, Counts, Description, Direction,
-    Event, Extreme, Gimbal, Goal, InputJump, Integral, List, Motion, Parameter, Part, Phase, Quantity, Rated, Role,
-    Row, Sampling, Shape, Structure, Switch, SwitchKind, Table, Target, Text, Tried, Trigger, Watched,
+    Action, Argument, Balance, BalanceSystem, Clock, Closes, ClosesBy, Contact, Contacts, Coordinate, Counts,
+    Description, Direction, Event, Extreme, Gimbal, Goal, ImpactLaw, InputJump, Integral, List, Motion, Parameter,
+    Part, Phase, Quantity, Rated, Role, Row, Sampling, Shape, Structure, Switch, SwitchKind, Table, Target, Text,
+    Tried, Trigger, Watched,
 };
 
 /// Where an integral was tried.
@@ -73,6 +74,26 @@ pub(super) fn motion(motion: &SymbolicMotion) -> Motion {
     };
     let unknowns = motion.unknowns.iter().map(|(name, _)| text(name)).collect();
     Motion { name: text(&motion.name), goal, unknowns }
+}
+
+/// Friction that may stick and contacts that may open.
+pub(super) fn contacts(program: &Program) -> Contacts {
+    let model = &program.model;
+    let row = |constraint: Option<usize>| constraint.map(|place| model.constraints[place].first as u32);
+    let contacts = model.contacts.iter().zip(program.restitutions_of_contacts());
+    let all = contacts.map(|(contact, restitution)| Contact {
+        name: Text::Owned(contact.name.clone()),
+        normal: row(contact.normal),
+        tangent: row(contact.tangent),
+        first_event: contact.first_event as u32,
+        restitution: restitution.map(|place| place as u32),
+    });
+    let law = model.impacts.map(|law| match law {
+        SymbolicImpactLaw::Sequential => ImpactLaw::Sequential,
+        SymbolicImpactLaw::Together => ImpactLaw::Together,
+        SymbolicImpactLaw::Poisson => ImpactLaw::Poisson,
+    });
+    Contacts { all: all.collect(), law }
 }
 
 /// What is held, set and sampled.
@@ -215,6 +236,7 @@ pub(super) fn describe(program: &Program, source: &str) -> Description {
                         EventAction::Record => Action::Record,
                         EventAction::Phase(phase) => Action::Phase(*phase as u32),
                         EventAction::Set(set) => Action::Set(*set as u32),
+                        EventAction::Contact(contact) => Action::Contact(*contact as u32),
                         EventAction::Impact { along, .. } => {
                             impacts += 1;
                             Action::Impact { along: *along as u32, restitution: impacts - 1 }

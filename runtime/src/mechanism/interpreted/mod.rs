@@ -10,7 +10,7 @@ use std::sync::OnceLock;
 use dalembert_symbolic::interpret::{self, Function, Interpreter};
 use dalembert_symbolic::lower::Program;
 
-use describe::{describe, gimbal, motion, sampling};
+use describe::{contacts, describe, gimbal, motion, sampling};
 pub(crate) use extended::ExtendedAt;
 use series::OwnSeries;
 
@@ -18,8 +18,8 @@ use super::balances::{belongs, put_reactions};
 use super::phased::{Phased, RowHistory, indicate, sprung};
 use super::system::Replaced;
 use super::{
-    Along, At, Balances, Description, Energy, Enforcement, Gimbal, Motion, MotionNumbers, Sampling, Scene, Series,
-    Signal, Singular, SingularMass, System,
+    Along, At, Balances, Contacts, Description, Energy, Enforcement, Gimbal, Motion, MotionNumbers, Sampling, Scene,
+    Series, Signal, Singular, SingularMass, System,
 };
 use crate::cause::NoSeries;
 
@@ -31,6 +31,7 @@ pub struct Interpreted {
     gimbals: Vec<Gimbal>,
     motions: Vec<Motion>,
     sampling: Sampling,
+    contacts: Contacts,
     signals: Vec<Option<Replaced>>,
     derivation: Option<usize>,
     phased: Phased,
@@ -44,6 +45,7 @@ impl Interpreted {
         let gimbals = program.model.gimbals().iter().map(gimbal).collect();
         let motions = program.model.motions.iter().map(motion).collect();
         let sampling = sampling(&program);
+        let contacts = contacts(&program);
         let signals = vec![None; program.model.inputs.len()];
         Interpreted {
             interpreter: Interpreter::new(program),
@@ -51,6 +53,7 @@ impl Interpreted {
             gimbals,
             motions,
             sampling,
+            contacts,
             signals,
             derivation: None,
             phased: Phased::default(),
@@ -113,6 +116,10 @@ impl System for Interpreted {
 
     fn sampling(&self) -> &Sampling {
         &self.sampling
+    }
+
+    fn contacts(&self) -> &Contacts {
+        &self.contacts
     }
 
     fn memory(&self) -> &[f64] {

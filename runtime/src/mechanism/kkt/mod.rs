@@ -8,6 +8,7 @@
 
 mod comparison;
 mod crossed;
+mod determined;
 mod null_space;
 mod rows;
 mod slopes;
@@ -339,6 +340,7 @@ impl KktSolver {
         }
         substitute_back(&self.mass, a);
         self.found = found;
+        self.determine(a);
         solved
     }
 

@@ -33,6 +33,11 @@ pub fn value(builder: &mut ExprBuilder, scope: &Scope, row: JointRow) -> Value {
             let unit = scope.units.rate(scope.units.of(Dimension::LENGTH));
             (advance(builder, (way, axis), omega, pitch), unit)
         }
+        JointRow::Slide { bodies, at, normal } => {
+            let velocities = bodies.map(|body| material_velocity(builder, scope, body, at));
+            let normal = vector(builder, scope, normal);
+            (slide(builder, velocities, normal), scope.units.rate(scope.units.of(Dimension::LENGTH)))
+        }
     };
     builder.measured = unit;
     found.unwrap_or(Value::Poison)
@@ -53,6 +58,33 @@ fn advance(
     let turning = vectors::dot(graph, &turning, &axis);
     let turning = graph.mul(pitch, turning);
     Some(Value::Scalar(graph.sub(rate, turning)))
+}
+
+/// (v₁ − v₂) × n for the unit normal n.
+fn slide(builder: &mut ExprBuilder, [first, second]: [Option<Vec<Id>>; 2], normal: Option<Vec<Id>>) -> Option<Value> {
+    let (first, second, normal) = (first?, second?, normal?);
+    let graph = &mut builder.graph;
+    let normal = vectors::unit(graph, &normal);
+    let velocity = vectors::difference(graph, &second, &first);
+    let (&[u, v], &[x, y]) = (velocity.as_slice(), normal.as_slice()) else { return None };
+    let (along, across) = (graph.mul(u, y), graph.mul(v, x));
+    Some(Value::Scalar(graph.sub(along, across)))
+}
+
+/// The velocity of the material of a body at a point, v + ω × (P − r), in the plane; of the ground it is 0.
+fn material_velocity(builder: &mut ExprBuilder, scope: &Scope, body: Option<usize>, at: usize) -> Option<Vec<Id>> {
+    let at = vector(builder, scope, at);
+    let Some(body) = body else { return Some(vec![Id::ZERO; 2]) };
+    let centre = vector(builder, scope, scope.bodies[body].position);
+    let angle = scope.bodies[body].orientation.map(|item| scalar(builder, scope, item));
+    let centre = centre?;
+    let velocity = builder.rates(&centre);
+    let Some(angle) = angle else { return Some(velocity) };
+    let omega = builder.rate(angle?);
+    let graph = &mut builder.graph;
+    let arm = vectors::difference(graph, &centre, &at?);
+    let turning = vectors::swept(graph, &[omega], &arm);
+    Some(vectors::add(graph, &velocity, &turning))
 }
 
 /// ω in space of what is turned so; of the ground it is 0.
@@ -105,7 +137,7 @@ impl Lower<'_> {
                 let force = lower.scaled(lambda, axis)?;
                 Some(vectors::negative(&mut lower.builder.graph, &force))
             }
-            JointRow::Turn { .. } => Some(Vec::new()),
+            JointRow::Turn { .. } | JointRow::Slide { .. } => Some(Vec::new()),
         })
     }
 
@@ -140,7 +172,7 @@ impl Lower<'_> {
                 let along = lower.scaled(lambda, axis)?;
                 Some(vectors::scaled(&mut lower.builder.graph, pitch, &along))
             }
-            JointRow::Meet { .. } | JointRow::Keep { .. } => Some(Vec::new()),
+            JointRow::Meet { .. } | JointRow::Keep { .. } | JointRow::Slide { .. } => Some(Vec::new()),
         });
         match couple {
             Value::Vector(couple) if size == 1 => Value::Scalar(couple[0]),

@@ -5,10 +5,10 @@ use super::facts::Depends;
 use super::lower::Lower;
 use super::scope::{Member, Section};
 use super::value::Value;
-use crate::diagnose::catalogue::names;
+use crate::diagnose::catalogue::{contacts, names};
 use crate::diagnose::did_you_mean_or;
 use crate::expr::Symbol;
-use crate::language::{Ast, AstKind, Span};
+use crate::language::{Ast, AstKind, FRICTION, Span};
 
 impl Lower<'_> {
     /// The place of the constraint, or of the phase, that an expression names; `None` where it names none (reported) or
@@ -27,6 +27,11 @@ impl Lower<'_> {
 
     /// The phase, or the constraint or joint, that an expression names; `None` where it names none (reported).
     pub fn label(&mut self, ast: &Ast, section: Section) -> Option<Member> {
+        if let AstKind::Component(contact, FRICTION) = &ast.kind
+            && section == Section::Constraint
+        {
+            return self.friction_of(contact);
+        }
         let scope = self.scope;
         let AstKind::Name { name, indices, primes: 0 } = &ast.kind else {
             let (place, words) = (self.place(ast.span), self.text.words(ast.span));
@@ -47,6 +52,20 @@ impl Lower<'_> {
                 None
             }
         }
+    }
+
+    /// The constraint that holds the sliding of a contact.
+    fn friction_of(&mut self, contact: &Ast) -> Option<Member> {
+        let member = self.label(contact, Section::Constraint)?;
+        let constraints = &self.scope.constraints;
+        let Member::Constraint(place) = member else { return None };
+        let name = constraints[place].name.clone();
+        if constraints.get(place + 1).is_some_and(|next| next.name == format!("{name}.friction")) {
+            return Some(Member::Constraint(place + 1));
+        }
+        let problem = contacts::no_friction_there(self.place(contact.span), name);
+        self.refuse(problem);
+        None
     }
 
     /// The multiplier of a constraint, one for each of its components; the force of a joint on its first side.

@@ -202,6 +202,16 @@ pub enum JointRow {
         /// h, the way for a turn of 1 rad.
         pitch: usize,
     },
+    /// (v₁ − v₂) × n = 0 with the velocities of the material of both bodies at a point, in the plane: no row of a joint, but of a contact
+    /// that sticks.
+    Slide {
+        /// Both bodies; `None` for the ground.
+        bodies: [Option<usize>; 2],
+        /// The point.
+        at: usize,
+        /// The normal, of any length.
+        normal: usize,
+    },
 }
 
 /// A function that is given by points.

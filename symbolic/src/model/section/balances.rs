@@ -42,7 +42,8 @@ impl<'a> Resolver<'a> {
                 continue;
             }
             let before = self.builder.problems.len();
-            let phases = self.phase_key(&system, &Self::no_locals()).flatten().unwrap_or_else(|| vec![0]);
+            let phases = self.phase_key(&system, &Self::no_locals()).flatten();
+            let phases = phases.unwrap_or_else(|| self.phases_of_a_system());
             let unknowns = self.unknowns(&system);
             let mut balances: Vec<Option<Balance>> = Vec::new();
             let Some(equations) = system.need("equations", "a system of balances", &mut self.builder.problems) else {
@@ -89,6 +90,11 @@ impl<'a> Resolver<'a> {
             }
         }
         systems
+    }
+
+    /// The phases of a system that names none: the first, or all where contacts make them.
+    fn phases_of_a_system(&self) -> Vec<usize> {
+        if self.contacts.is_empty() { vec![0] } else { (0..self.model.phases.len()).collect() }
     }
 
     /// The systems by name; a single one is called `balances`.

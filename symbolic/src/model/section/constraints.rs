@@ -53,6 +53,7 @@ impl Resolver<'_> {
             }
         }
         self.declare_joints(&mut places);
+        self.declare_contacts(&mut places);
         places
     }
 

@@ -7,6 +7,7 @@ use crate::expr::{Id, Symbol, substitute};
 use crate::model::expression::facts::Depends;
 use crate::model::resolved::BalanceSystem;
 use crate::model::resolver::Resolver;
+use crate::model::section::contacts::ContactText;
 
 impl Resolver<'_> {
     /// Whether equations and active constraints are as many as accelerations, reactions and the multipliers that stand
@@ -15,8 +16,11 @@ impl Resolver<'_> {
         let equations: usize = system.balances.iter().map(|b| b.components).sum();
         let reactions: usize = system.reactions.iter().map(|&k| self.scope.reactions[k].components).sum();
         let (accelerations, states) = (self.model.mechanical(), self.model.states.len());
+        let contacts = self.rows_of_contacts();
         for &phase in &system.phases {
-            let rows = self.active_rows(phase);
+            // Each row of a contact gives one equation for its multiplier in every phase: it holds, or the multiplier is 0.
+            let mut rows = self.active_rows(phase);
+            rows.retain(|row| !contacts.contains(row));
             let multipliers = self.multipliers(system, phase, &rows);
             if equations + rows.len() == accelerations + states + reactions + multipliers.len() {
                 continue;
@@ -57,6 +61,11 @@ impl Resolver<'_> {
         let rows = self.active_rows(phase);
         let unknowns = self.model.mechanical() + reactions + self.multipliers(system, phase, &rows).len();
         unknowns.saturating_sub(rows.len())
+    }
+
+    /// The rows of all contacts.
+    fn rows_of_contacts(&self) -> Vec<usize> {
+        self.model.rows_of_contacts(self.contacts.iter().flat_map(ContactText::constraints))
     }
 
     /// The rows of the constraints that act in a phase.

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use crate::diagnose::catalogue::{mechanics, memory, names, sections};
-use crate::diagnose::did_you_mean_or;
+use crate::diagnose::{Place, did_you_mean_or};
 use crate::expr::Id;
-use crate::file::{Node, Spot, Text};
+use crate::file::{Node, Quantity, Spot, Text};
 use crate::language::{AstKind, parse};
 use crate::model::event::{Event, EventAction, Trigger};
 use crate::model::expression::dimension::Dimension;
@@ -192,20 +192,25 @@ impl Resolver<'_> {
         Some(EventAction::Impact { restitution: restitution?, along: along? })
     }
 
-    /// A coefficient of restitution: of parameters, and in 0..1 in every scene.
     fn restitution(&mut self, spot: &Spot<'_>, locals: &Locals) -> Option<Id> {
         let quantity = spot.quantity(&mut self.builder.problems)?;
-        let value = self.setting(&quantity, RESTITUTION, locals)?;
+        self.coefficient_of_restitution(&quantity, locals)
+    }
+
+    /// A coefficient of restitution: of parameters, and in 0..1 in every scene.
+    pub fn coefficient_of_restitution(&mut self, quantity: &Quantity, locals: &Locals) -> Option<Id> {
+        let value = self.setting(quantity, RESTITUTION, locals)?;
+        let at = &quantity.text.place;
         let constant = self.builder.graph.number(value).is_some();
         for scene in 0..if constant { 1 } else { self.model.scenes.len() } {
-            if !self.builder.spend(1 + self.builder.graph.len() as u64 / 1024, &spot.place) {
+            if !self.builder.spend(1 + self.builder.graph.len() as u64 / 1024, at) {
                 return None;
             }
             let parameters = if constant { Vec::new() } else { self.scene_parameters(&self.model.scenes[scene]) };
             let problem = match crate::model::command::evaluate(&self.builder.graph, value, &parameters) {
                 Some(e) if (0.0..=1.0).contains(&e) => continue,
-                Some(e) => mechanics::value_out_of_range(spot.place.clone(), RESTITUTION.what, "in 0..1", e),
-                None => names::undefined_value(spot.place.clone(), &quantity.text.source),
+                Some(e) => mechanics::value_out_of_range(Place::clone(at), RESTITUTION.what, "in 0..1", e),
+                None => names::undefined_value(Place::clone(at), &quantity.text.source),
             };
             self.builder.problems.push(problem);
             return None;

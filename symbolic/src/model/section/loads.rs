@@ -105,6 +105,7 @@ impl Resolver<'_> {
                 }
             }
         }
+        self.contact_loads(&mut drafts);
         self.place_loads(drafts);
     }
 

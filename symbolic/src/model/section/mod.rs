@@ -5,6 +5,7 @@ pub mod balances;
 pub mod bodies;
 mod closes;
 pub mod constraints;
+pub mod contacts;
 pub mod counts;
 mod cycles;
 pub mod declare;

@@ -19,6 +19,9 @@ const LOOKED_UP: Rules = Rules::constant("a list of names");
 impl Resolver<'_> {
     /// All phases: one without a name and with all constraints where the file has none.
     pub fn phases(&mut self) {
+        if self.phases_of_contacts() {
+            return;
+        }
         let Some(root) = self.root.get("phases") else {
             let constraints = (0..self.scope.constraints.len()).collect();
             self.model.phases = vec![Phase { name: String::new(), constraints, place: self.root.place.clone() }];

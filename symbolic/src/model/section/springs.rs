@@ -26,7 +26,8 @@ enum Law {
 }
 
 /// Where a stretch acts: a couple on `on` and its opposite on `from`, or a force along a direction.
-struct Placement {
+#[derive(Clone)]
+pub struct Placement {
     on: Option<Text>,
     from: Option<Text>,
     along: Option<Written>,
@@ -36,7 +37,7 @@ struct Placement {
 
 impl Placement {
     /// The unit of the stretch: a length along a direction, an angle about a body, anything where no body is named.
-    fn unit(&self, resolver: &Resolver<'_>) -> Measure {
+    pub fn unit(&self, resolver: &Resolver<'_>) -> Measure {
         match (&self.on, &self.along) {
             (_, Some(_)) => resolver.scope.units.of(Dimension::LENGTH),
             (Some(_), None) => resolver.scope.units.of(Dimension::ONE),
@@ -273,7 +274,7 @@ impl Resolver<'_> {
     }
 
     /// `on`, `from`, `along`, `at`.
-    fn placement(&mut self, spot: &Spot<'_>) -> Option<Placement> {
+    pub fn placement(&mut self, spot: &Spot<'_>) -> Option<Placement> {
         let problems = &mut self.builder.problems;
         let mut text = |key: &str| match spot.get(key) {
             Some(spot) => spot.text(problems).map(Some),
@@ -321,7 +322,7 @@ impl Resolver<'_> {
     }
 
     /// What a tension along a stretch does to bodies: a couple −T, or a force −T u, and its opposite.
-    fn placed_pushes(
+    pub fn placed_pushes(
         &mut self,
         placement: &Placement,
         tension: Id,

@@ -1,0 +1,316 @@
+//! Which modes the contacts have from an instant on.
+//!
+//! A combination is the motion's if the accelerations and forces under it agree with it: N ≥ 0 where a contact is closed and g'' ≥ 0 where
+//! it opens, |T| ≤ L₀ where it sticks, and s' in the direction in which it begins to slip.  The linear complementarity problem that this is
+//! (Glocker, Set-Valued Force Laws, 2001, ch. 5–6) is solved by trying combinations, those first that change least.
+
+use super::Situation;
+use super::strike::Strike;
+use crate::cause::Cause;
+use crate::matrix::solve_least;
+use crate::mechanism::dense::{constraint_matrix, mass_matrix};
+use crate::mechanism::{At, ContactEvent, ContactMode, System};
+
+/// A force, or an acceleration, below this part of the largest under any combination is zero.
+const NOTHING: f64 = 1e-10;
+/// Accelerations that differ by less than this part of the largest are the same motion.
+const ALIKE: f64 = 1e-8;
+
+/// Why modes are chosen.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Change<'a> {
+    /// A motion begins.
+    Start,
+    /// An event of this contact happened.
+    Event {
+        /// The contact.
+        contact: usize,
+        /// What happened to it.
+        what: ContactEvent,
+    },
+    /// Contacts struck, and this came of it.
+    Struck(&'a Strike),
+}
+
+/// What is tried under one combination.
+struct Trial {
+    modes: Vec<ContactMode>,
+    /// Of each contact what must not be negative, with the size beside which it is judged.
+    signs: Vec<Vec<Sign>>,
+    accelerations: Vec<f64>,
+}
+
+/// A number that is not negative where a combination is the motion's.
+#[derive(Clone, Copy)]
+struct Sign {
+    kind: Kind,
+    value: f64,
+    /// The sum of the terms beside which it is rounding.
+    terms: f64,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// N J M⁻¹ Jᵀ, what the force does to g''; or g''.
+    Pressed,
+    Opens,
+    /// (L₀² − T²)/(L₀² + T²).
+    Holds,
+    /// ±s'.
+    Slides,
+}
+
+/// The phase in which the contacts agree with the forces at a state; it is in force afterwards.  `scales` are the largest Σ |terms| that the
+/// rows have had, none where the motion begins.
+///
+/// # Errors
+/// No combination agrees, or several with different motions do, of which none is the present one.
+pub(crate) fn settle(
+    system: &mut dyn System,
+    (t, y, scales): (f64, &[f64], &[f64]),
+    change: Change<'_>,
+) -> Result<usize, Box<Cause>> {
+    let before = system.phase();
+    let situation = Situation::new(system, (t, y), scales);
+    let known: Vec<Known> =
+        (0..situation.modes.len()).map(|k| known(system, &situation, (k, change), (t, y))).collect();
+    let mut trials = Vec::new();
+    let compliance = compliance(system, At::packed(t, y, system.len()));
+    let before_it = (!matches!(change, Change::Start)).then_some(situation.modes.as_slice());
+    for modes in in_order(before_it, &known) {
+        trials.extend(tried(system, (t, y), (&known, &compliance), modes));
+    }
+    system.set_phase(before);
+    let forced = match change {
+        Change::Event { contact, what: ContactEvent::Lifts | ContactEvent::Slips } => Some(contact),
+        _ => None,
+    };
+    let agree: Vec<&Trial> = trials.iter().filter(|trial| agrees(trial, &trials, forced)).collect();
+    let scale = trials.iter().flat_map(|trial| &trial.accelerations).fold(0.0_f64, |most, a| most.max(a.abs()));
+    let alike = |one: &Trial, other: &Trial| {
+        one.accelerations.iter().zip(&other.accelerations).all(|(a, b)| (a - b).abs() <= ALIKE * scale)
+    };
+    let chosen = match agree.as_slice() {
+        [] => None,
+        [first, rest @ ..] => {
+            let present = first.modes == situation.modes && forced.is_none();
+            (present || rest.iter().all(|other| alike(first, other))).then_some(*first)
+        }
+    };
+    let Some(chosen) = chosen else {
+        let found = agree.iter().map(|trial| words(system, &trial.modes)).collect();
+        return Err(Cause::UndecidedContacts { found }.into());
+    };
+    let phase = system.contacts().phase(&chosen.modes);
+    system.set_phase(phase);
+    Ok(phase)
+}
+
+/// What is known of a contact at an instant.
+struct Known {
+    /// What it may do from here on; what it does now first.
+    options: Vec<ContactMode>,
+    /// Whether its gap is closed and stays so unless it is pulled open.
+    touches: bool,
+    /// Whether its sides do not slide on each other now.
+    rolls: bool,
+}
+
+fn known(system: &mut dyn System, situation: &Situation, (k, change): (usize, Change<'_>), at: (f64, &[f64])) -> Known {
+    let contact = system.contacts().all[k].clone();
+    let present = situation.modes[k];
+    let happened = match change {
+        Change::Event { contact, what } if contact == k => Some(what),
+        _ => None,
+    };
+    let struck = match change {
+        Change::Struck(strike) => strike.after(k),
+        _ => None,
+    };
+    let [_, gap_rate] = situation.gaps[k];
+    let touches = contact.normal.is_none()
+        || match struck {
+            Some(after) => after.rests,
+            // What is open stays so until it lands.
+            None if matches!(change, Change::Event { .. }) && happened != Some(ContactEvent::Lands) => {
+                present.touches()
+            }
+            None => present.touches() || situation.closed[k] && (situation.still[k][0] || gap_rate < 0.0),
+        };
+    let rolls = match (happened, struck, change) {
+        (Some(ContactEvent::Stops | ContactEvent::Slips), ..) => true,
+        (_, Some(after), _) => after.rolls,
+        (_, None, Change::Struck(_)) => situation.still[k][1],
+        _ => present == ContactMode::Sticks || situation.still[k][1],
+    };
+    let mut options = Vec::new();
+    if touches && happened != Some(ContactEvent::Lifts) {
+        match happened {
+            _ if contact.tangent.is_none() => options.push(ContactMode::Closed),
+            Some(ContactEvent::Slips) => {
+                let gives_way = direction_of_force(system, k, at);
+                // The other direction only shows what the friction does to the sliding.
+                options.extend([gives_way, opposite(gives_way)]);
+            }
+            Some(ContactEvent::Stops) => options.extend([ContactMode::Sticks, opposite(present)]),
+            _ if rolls => {
+                options.extend([ContactMode::Sticks, ContactMode::SlipsForwards, ContactMode::SlipsBackwards]);
+            }
+            _ if situation.sliding[k] < 0.0 => options.push(ContactMode::SlipsBackwards),
+            _ => options.push(ContactMode::SlipsForwards),
+        }
+    }
+    if contact.normal.is_some() {
+        options.push(ContactMode::Open);
+    }
+    // What it does now is tried first; what was open, or nothing is known of, is closed if it may be.
+    let kept = |mode: &ContactMode| *mode == present && present.touches() && !matches!(change, Change::Start);
+    if let Some(place) = options.iter().position(kept) {
+        options[..=place].rotate_right(1);
+    }
+    Known { options, touches, rolls }
+}
+
+/// The direction in which a contact that sticks with all its force gives way: against the force.
+fn direction_of_force(system: &mut dyn System, contact: usize, (t, y): (f64, &[f64])) -> ContactMode {
+    let n = system.len();
+    let (mut a, mut lambda) = (vec![0.0; n], vec![0.0; system.description().rows.len()]);
+    let row = system.contacts().all[contact].tangent.unwrap_or(0) as usize;
+    let solved = system.accelerations_and_multipliers(At::packed(t, y, n), &mut a, &mut lambda);
+    if solved.is_ok() && lambda[row] > 0.0 { ContactMode::SlipsBackwards } else { ContactMode::SlipsForwards }
+}
+
+fn opposite(mode: ContactMode) -> ContactMode {
+    match mode {
+        ContactMode::SlipsForwards => ContactMode::SlipsBackwards,
+        _ => ContactMode::SlipsForwards,
+    }
+}
+
+/// All combinations of what each may do, those first that differ from the present one in fewest contacts that touch.
+fn in_order(present: Option<&[ContactMode]>, known: &[Known]) -> Vec<Vec<ContactMode>> {
+    let mut all = vec![Vec::new()];
+    for Known { options, .. } in known {
+        let longer = |one: &Vec<ContactMode>| {
+            let one = one.clone();
+            options.iter().map(move |mode| [one.as_slice(), &[*mode]].concat()).collect::<Vec<_>>()
+        };
+        all = all.iter().flat_map(longer).collect();
+    }
+    if let Some(present) = present {
+        let changes = |(mode, before): &(&ContactMode, &ContactMode)| before.touches() && mode != before;
+        all.sort_by_key(|modes| modes.iter().zip(present).filter(changes).count());
+    }
+    all
+}
+
+/// Forces and accelerations under a combination; `None` where there are none.
+fn tried(
+    system: &mut dyn System,
+    (t, y): (f64, &[f64]),
+    (known, compliance): (&[Known], &[f64]),
+    modes: Vec<ContactMode>,
+) -> Option<Trial> {
+    let contacts = system.contacts().all.clone();
+    let phase = system.contacts().phase(&modes);
+    system.set_phase(phase);
+    let n = system.len();
+    let at = At::packed(t, y, n);
+    let rows = system.description().rows.len();
+    let (mut a, mut lambda) = (vec![0.0; n], vec![0.0; rows]);
+    system.accelerations_and_multipliers(at, &mut a, &mut lambda).ok()?;
+    let mut second = vec![0.0; rows];
+    system.constraint_bias(at, &mut second);
+    let mut values = vec![0.0; system.description().constraint_pattern.len()];
+    system.constraint_matrix(at, &mut values);
+    let mut terms: Vec<f64> = second.iter().map(|bias| bias.abs()).collect();
+    for ((row, column), value) in system.description().constraint_pattern.iter().zip(values) {
+        let term = value * a[*column as usize];
+        second[*row as usize] += term;
+        terms[*row as usize] += term.abs();
+    }
+    let sign = |kind: Kind, row: usize, value: f64| Sign { kind, value, terms: terms[row] };
+    let margins = margins(system, at.accelerated(&a).constrained(&lambda));
+    let mut signs = Vec::new();
+    for (k, (contact, mode)) in contacts.iter().zip(&modes).enumerate() {
+        let mut own = Vec::new();
+        if let Some(row) = contact.normal {
+            match mode {
+                ContactMode::Open if known[k].touches => {
+                    own.push(sign(Kind::Opens, row as usize, second[row as usize]));
+                }
+                ContactMode::Open => {}
+                _ => own.push(sign(Kind::Pressed, row as usize, compliance[row as usize] * lambda[row as usize])),
+            }
+        }
+        if let Some(row) = contact.tangent {
+            match mode {
+                ContactMode::Sticks => own.push(sign(Kind::Holds, row as usize, margins[k])),
+                ContactMode::SlipsForwards | ContactMode::SlipsBackwards => {
+                    if known[k].rolls {
+                        own.push(sign(Kind::Slides, row as usize, mode.sliding() * second[row as usize]));
+                    }
+                }
+                ContactMode::Open | ContactMode::Closed => {}
+            }
+        }
+        signs.push(own);
+    }
+    Some(Trial { modes, signs, accelerations: a })
+}
+
+/// J M⁻¹ Jᵀ of each row by itself.
+fn compliance(system: &dyn System, at: At<'_>) -> Vec<f64> {
+    let rows: Vec<usize> = (0..system.description().rows.len()).collect();
+    let matrix = constraint_matrix(system, at, &rows);
+    let response = solve_least(&mass_matrix(system, at), &matrix.transpose());
+    rows.iter()
+        .map(|row| response.as_ref().map_or(1.0, |x| matrix.row(*row).dot(&x.column(*row).transpose())))
+        .collect()
+}
+
+/// Of each contact that rubs (L₀² − T²)/(L₀² + T²): 1 with no force, 0 at the limit; 0 where both are 0.
+fn margins(system: &dyn System, at: At<'_>) -> Vec<f64> {
+    let mut pairs = vec![0.0; 2 * system.description().events.len()];
+    system.events(at, &mut pairs);
+    let contacts = system.contacts().all.iter();
+    contacts
+        .map(|contact| match (contact.slips(), contact.tangent) {
+            (Some(event), Some(row)) => {
+                let difference = pairs[2 * event];
+                let sum = difference + 2.0 * at.lambda[row as usize].powi(2);
+                if sum > 0.0 { difference / sum } else { 0.0 }
+            }
+            _ => 0.0,
+        })
+        .collect()
+}
+
+/// Whether forces and accelerations under a combination agree with it.  A contact that reached a limit leaves it, by however little.
+fn agrees(trial: &Trial, all: &[Trial], forced: Option<usize>) -> bool {
+    trial.signs.iter().enumerate().all(|(k, signs)| {
+        signs.iter().all(|sign| {
+            let of_kind = |other: &Trial| {
+                let own = other.signs[k].iter().filter(|other| other.kind == sign.kind);
+                own.fold(0.0_f64, |most, other| most.max(other.value.abs()).max(other.terms))
+            };
+            let scale = all.iter().map(of_kind).fold(0.0, f64::max);
+            let rounding = NOTHING * scale;
+            match sign.kind {
+                Kind::Holds => sign.value >= -NOTHING,
+                // Its force falls through 0: it opens, by however little.
+                Kind::Opens if forced == Some(k) => true,
+                Kind::Pressed | Kind::Opens => sign.value >= -rounding,
+                // What begins to slide is moved; at its limit it may be moved by nothing yet.
+                Kind::Slides if forced == Some(k) => sign.value >= -rounding,
+                Kind::Slides => sign.value > rounding,
+            }
+        })
+    })
+}
+
+/// `rub sticks, floor open`.
+fn words(system: &dyn System, modes: &[ContactMode]) -> String {
+    let phase = system.contacts().phase(modes);
+    system.description().phases[phase].name.to_string()
+}

@@ -1,0 +1,391 @@
+//! Impacts of contacts, with friction, one after the other or all at once.
+//!
+//! With W = J M⁻¹ Jᵀ the rates of gaps and sliding become u⁺ = u⁻ + W P.  Newton's law for several contacts: u_N⁺ ≥ −e u_N⁻, P_N ≥ 0, one of
+//! them an equation; Coulomb's law for impulses: |P_T| ≤ μ P_N, with equality against the sliding that is left (Pfeiffer & Glocker,
+//! Multibody Dynamics with Unilateral Contacts, 1996, ch. 8; Moreau 1988).
+
+use nalgebra::{DMatrix, DVector};
+
+use super::Situation;
+use crate::cause::Cause;
+use crate::matrix::solve_least;
+use crate::mechanism::dense::{constraint_matrix, constraint_triples, mass_matrix, multiplier_effects};
+use crate::mechanism::{At, ContactMode, ImpactLaw, System};
+
+/// A rate or an impulse below this part of the largest is zero.
+const NOTHING: f64 = 1e-10;
+/// Outcomes that differ by less than this part of the largest speed are one.
+const ALIKE: f64 = 1e-9;
+/// So many impacts one after the other at an instant do not come to an end.
+const MOST_IMPACTS: usize = 200;
+
+/// What an instant at which contacts strike does.
+#[derive(Clone, Debug)]
+pub(crate) struct Strike {
+    /// Δq'.
+    pub jump: Vec<f64>,
+    /// Rows with their impulses.
+    pub rows: Vec<(usize, f64)>,
+    after: Vec<Option<After>>,
+}
+
+/// What is known of a contact that took part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct After {
+    /// Whether its gap stays closed.
+    pub rests: bool,
+    /// Whether its sides do not slide on each other.
+    pub rolls: bool,
+}
+
+impl Strike {
+    /// What is known of a contact that took part.
+    pub(super) fn after(&self, contact: usize) -> Option<After> {
+        self.after[contact]
+    }
+}
+
+/// A contact that may take an impulse.
+#[derive(Clone, Copy)]
+struct Side {
+    contact: usize,
+    /// Places among the rows of the collision.
+    normal: usize,
+    tangent: Option<usize>,
+    /// The coefficient of restitution, of what approaches faster than `slow`.
+    restitution: f64,
+    slow: f64,
+    /// Of sliding, and of sticking.
+    friction: [f64; 2],
+}
+
+/// Everything that an instant needs.
+struct Collision {
+    /// Rows of the mechanism.
+    rows: Vec<usize>,
+    /// How many of them, at the beginning, are constraints that always hold.
+    held: usize,
+    sides: Vec<Side>,
+    /// W.
+    flexibility: DMatrix<f64>,
+    /// u⁻.
+    before: DVector<f64>,
+    /// M⁻¹ Jᵀ.
+    response: DMatrix<f64>,
+}
+
+/// What contacts that close, or are closed, do at an instant to the speeds; `None` where none of them approaches.  A contact that approaches no faster than its number in `slow` loses
+/// its speed of approach altogether, and one that leaves no faster stays.
+///
+/// # Errors
+/// No outcome, several, or an outcome that the order of impacts decides where the file states no law; energy that grows.
+pub(crate) fn strike(
+    system: &mut dyn System,
+    (t, y, scales): (f64, &[f64], &[f64]),
+    slow: &[f64],
+) -> Result<Option<Strike>, Box<Cause>> {
+    let situation = Situation::new(system, (t, y), scales);
+    let collision = Collision::new(system, (t, y), &situation, slow)?;
+    if !collision.approaches(&collision.before) && !collision.hops_are_lost() {
+        return Ok(None);
+    }
+    let impulses = match system.contacts().law {
+        Some(law) => collision.by(system, law)?,
+        None => {
+            let together = collision.by(system, ImpactLaw::Together)?;
+            if collision.sides.len() > 1 {
+                let sequential = collision.by(system, ImpactLaw::Sequential)?;
+                let (one, other) = (&collision.response * &sequential, &collision.response * &together);
+                if (&one - &other).amax() > ALIKE * one.amax().max(other.amax()) {
+                    let n = system.len();
+                    let after = |jump: &DVector<f64>| (0..n).map(|i| y[n + i] + jump[i]).collect();
+                    let contacts =
+                        collision.sides.iter().map(|side| system.contacts().all[side.contact].name.to_string());
+                    return Err(Cause::SimultaneousImpacts {
+                        contacts: contacts.collect(),
+                        sequential: after(&one),
+                        together: after(&other),
+                    }
+                    .into());
+                }
+            }
+            together
+        }
+    };
+    collision.outcome(system, &impulses).map(Some)
+}
+
+impl Collision {
+    fn new(
+        system: &mut dyn System,
+        (t, y): (f64, &[f64]),
+        situation: &Situation,
+        slow: &[f64],
+    ) -> Result<Collision, Box<Cause>> {
+        let n = system.len();
+        let at = At::packed(t, y, n);
+        let contacts = system.contacts().all.clone();
+        let of_contacts: Vec<u32> = contacts.iter().flat_map(|c| [c.normal, c.tangent]).flatten().collect();
+        let mut rows: Vec<usize> =
+            system.active_rows().iter().filter(|row| !of_contacts.contains(row)).map(|row| *row as usize).collect();
+        let held = rows.len();
+        let frictions = frictions(system, at);
+        let restitutions = system.restitutions();
+        let mut sides = Vec::new();
+        for (k, contact) in contacts.iter().enumerate() {
+            let Some(row) = contact.normal else { continue };
+            let touches = situation.modes[k].touches() || situation.closed[k];
+            // What moves apart takes no impulse unless it is pressed together, which shows in the outcome.
+            if !touches {
+                continue;
+            }
+            let normal = rows.len();
+            rows.push(row as usize);
+            let tangent = contact.tangent.map(|row| {
+                rows.push(row as usize);
+                normal + 1
+            });
+            let e = contact.restitution.and_then(|place| restitutions.get(place as usize)).copied().unwrap_or(0.0);
+            crate::constrain::possible_restitution(e)?;
+            sides.push(Side { contact: k, normal, tangent, restitution: e, slow: slow[k], friction: frictions[k] });
+        }
+        let triples = constraint_triples(system, at);
+        let matrix = constraint_matrix(system, at, &rows);
+        let inverse = solve_least(&mass_matrix(system, at), &matrix.transpose());
+        let response =
+            inverse.ok_or_else(|| Cause::SingularMass { coordinate: system.description().coordinate_name(0) })?;
+        let before = DVector::from_iterator(rows.len(), rows.iter().map(|row| triples[*row][1]));
+        Ok(Collision { flexibility: &matrix * &response, rows, held, sides, before, response })
+    }
+
+    /// Beside which rates are zero.
+    fn scale(&self, rates: &DVector<f64>) -> f64 {
+        self.before.amax().max(rates.amax())
+    }
+
+    fn approaches(&self, rates: &DVector<f64>) -> bool {
+        self.sides.iter().any(|side| rates[side.normal] < -NOTHING * self.scale(rates))
+    }
+
+    /// Whether some side leaves so slowly that its hop is lost in rounding.
+    fn hops_are_lost(&self) -> bool {
+        self.sides.iter().any(|side| self.before[side.normal] != 0.0 && self.before[side.normal].abs() <= side.slow)
+    }
+
+    fn by(&self, system: &dyn System, law: ImpactLaw) -> Result<DVector<f64>, Box<Cause>> {
+        let all: Vec<usize> = (0..self.sides.len()).collect();
+        let none = DVector::zeros(self.rows.len());
+        match law {
+            ImpactLaw::Together => self.together(system, (&all, &self.before), true, &none),
+            ImpactLaw::Poisson => {
+                let compressed = self.together(system, (&all, &self.before), false, &none)?;
+                let mut given_back = DVector::zeros(self.rows.len());
+                for side in &self.sides {
+                    given_back[side.normal] = side.restitution * compressed[side.normal];
+                }
+                let rates = &self.before + &self.flexibility * &compressed;
+                let rest = self.together(system, (&all, &rates), false, &given_back)?;
+                Ok(compressed + rest)
+            }
+            ImpactLaw::Sequential => {
+                let (mut total, mut rates) = (none.clone(), self.before.clone());
+                for _ in 0..MOST_IMPACTS {
+                    if !self.approaches(&rates) {
+                        return Ok(total);
+                    }
+                    let fastest = |a: &&usize, b: &&usize| {
+                        let rate = |side: usize| rates[self.sides[side].normal];
+                        rate(**a).total_cmp(&rate(**b))
+                    };
+                    let Some(one) = all.iter().min_by(fastest) else { break };
+                    let impulses = self.together(system, (&[*one], &rates), true, &none)?;
+                    rates += &self.flexibility * &impulses;
+                    total += impulses;
+                }
+                let contacts = self.sides.iter().map(|side| system.contacts().all[side.contact].name.to_string());
+                Err(Cause::EndlessImpacts { contacts: contacts.collect() }.into())
+            }
+        }
+    }
+
+    /// Impulses of these sides at once, from these rates, beside what is `given`.
+    fn together(
+        &self,
+        system: &dyn System,
+        (taking, rates): (&[usize], &DVector<f64>),
+        restitutes: bool,
+        given: &DVector<f64>,
+    ) -> Result<DVector<f64>, Box<Cause>> {
+        let mut found: Vec<DVector<f64>> = Vec::new();
+        let mut modes = vec![ContactMode::Open; self.sides.len()];
+        self.tried((taking, taking, rates), restitutes, given, &mut modes, &mut found);
+        let Some(first) = found.first().cloned() else {
+            return Err(Cause::UndecidedContacts { found: Vec::new() }.into());
+        };
+        let after = |impulses: &DVector<f64>| rates + &self.flexibility * impulses;
+        let (one, scale) = (after(&first), self.scale(rates));
+        if found.iter().any(|other| (after(other) - &one).amax() > ALIKE * scale) {
+            let name = |side: &usize| system.contacts().all[self.sides[*side].contact].name.to_string();
+            return Err(Cause::UndecidedContacts { found: taking.iter().map(name).collect() }.into());
+        }
+        Ok(first)
+    }
+
+    /// Tries all modes of the sides of `taking` that are left.
+    fn tried(
+        &self,
+        (left, taking, rates): (&[usize], &[usize], &DVector<f64>),
+        restitutes: bool,
+        given: &DVector<f64>,
+        modes: &mut Vec<ContactMode>,
+        found: &mut Vec<DVector<f64>>,
+    ) {
+        let Some((side, rest)) = left.split_first() else {
+            found.extend(self.impulses((taking, rates), restitutes, given, modes));
+            return;
+        };
+        let own: &[ContactMode] = match self.sides[*side].tangent {
+            None => &[ContactMode::Closed, ContactMode::Open],
+            Some(_) => {
+                &[ContactMode::Sticks, ContactMode::SlipsForwards, ContactMode::SlipsBackwards, ContactMode::Open]
+            }
+        };
+        for mode in own {
+            modes[*side] = *mode;
+            self.tried((rest, taking, rates), restitutes, given, modes, found);
+        }
+        modes[*side] = ContactMode::Open;
+    }
+
+    /// The impulses under these modes, if those of the sides that take any agree with them.
+    fn impulses(
+        &self,
+        (taking, rates): (&[usize], &DVector<f64>),
+        restitutes: bool,
+        given: &DVector<f64>,
+        modes: &[ContactMode],
+    ) -> Option<DVector<f64>> {
+        let m = self.rows.len();
+        // P = base + spread x.
+        let mut base = given.clone();
+        let mut columns: Vec<DVector<f64>> = Vec::new();
+        let mut wanted: Vec<(usize, f64)> = Vec::new();
+        let unit = |row: usize| DVector::from_fn(m, |i, _| f64::from(u8::from(i == row)));
+        for row in 0..self.held {
+            columns.push(unit(row));
+            wanted.push((row, rates[row]));
+        }
+        for (side, mode) in self.sides.iter().zip(modes) {
+            let sliding = mode.sliding();
+            if let Some(tangent) = side.tangent {
+                base[tangent] -= sliding * side.friction[0] * given[side.normal];
+            }
+            if !mode.touches() {
+                continue;
+            }
+            let mut normal = unit(side.normal);
+            if let Some(tangent) = side.tangent {
+                normal[tangent] = -sliding * side.friction[0];
+                if sliding == 0.0 {
+                    columns.push(unit(tangent));
+                    wanted.push((tangent, 0.0));
+                }
+            }
+            columns.push(normal);
+            wanted.push((side.normal, self.least(side, rates, restitutes)));
+        }
+        let spread = DMatrix::from_fn(m, columns.len(), |i, j| columns[j][i]);
+        let effect = &self.flexibility * &spread;
+        let offset = rates + &self.flexibility * &base;
+        let matrix = DMatrix::from_fn(wanted.len(), columns.len(), |i, j| effect[(wanted[i].0, j)]);
+        let right = DMatrix::from_fn(wanted.len(), 1, |i, _| wanted[i].1 - offset[wanted[i].0]);
+        let x = solve_least(&matrix, &right)?;
+        let impulses = &base + &spread * x.column(0);
+        let after = rates + &self.flexibility * &impulses;
+        let small = NOTHING * self.scale(rates);
+        if wanted.iter().any(|(row, rate)| (after[*row] - rate).abs() > small) {
+            return None;
+        }
+        let none = NOTHING * impulses.amax();
+        let agrees = |place: &usize| {
+            let (side, mode) = (&self.sides[*place], modes[*place]);
+            let pressed = impulses[side.normal];
+            if !mode.touches() {
+                return after[side.normal] >= self.least(side, rates, restitutes) - small;
+            }
+            let slides = side.tangent.is_none_or(|tangent| match mode.sliding() {
+                0.0 => impulses[tangent].abs() <= side.friction[1] * pressed + none,
+                sliding => sliding * after[tangent] >= -small,
+            });
+            pressed >= given[side.normal] - none && slides
+        };
+        taking.iter().all(agrees).then_some(impulses)
+    }
+
+    /// The rate that a gap has at least afterwards; what moves apart already may go on as it likes.
+    fn least(&self, side: &Side, rates: &DVector<f64>, restitutes: bool) -> f64 {
+        let before = rates[side.normal];
+        if restitutes && -before > side.slow { -side.restitution * before } else { 0.0 }
+    }
+
+    fn outcome(&self, system: &dyn System, impulses: &DVector<f64>) -> Result<Strike, Box<Cause>> {
+        let after = &self.before + &self.flexibility * impulses;
+        let gained: f64 =
+            impulses.iter().zip(self.before.iter().zip(&after)).map(|(p, (u, w))| 0.5 * p * (u + w)).sum();
+        let turned: f64 = impulses.iter().zip(&self.before).map(|(p, u)| (p * u).abs()).sum();
+        if gained > ALIKE * turned {
+            return Err(Cause::ImpactGainsEnergy { energy: gained }.into());
+        }
+        let small = NOTHING * self.scale(&after);
+        let mut known = vec![None; system.contacts().all.len()];
+        for side in &self.sides {
+            let rests = after[side.normal].abs() <= small.max(side.slow);
+            let rolls = side.tangent.is_some_and(|tangent| after[tangent].abs() <= small);
+            known[side.contact] = Some(After { rests, rolls });
+        }
+        let jump = (&self.response * impulses).iter().copied().collect();
+        let rows = self.rows.iter().copied().zip(impulses.iter().copied()).filter(|(_, impulse)| *impulse != 0.0);
+        Ok(Strike { jump, rows: rows.collect(), after: known })
+    }
+}
+
+/// Of each contact the coefficients of friction, of sliding and of sticking, by what the forces of its multipliers are.
+fn frictions(system: &mut dyn System, at: At<'_>) -> Vec<[f64; 2]> {
+    let contacts = system.contacts().all.clone();
+    let before = system.phase();
+    let modes_with = |slips: bool| -> Vec<ContactMode> {
+        let mode = |contact: &crate::mechanism::Contact| match (contact.tangent.is_some(), slips) {
+            (true, true) => ContactMode::SlipsForwards,
+            (true, false) => ContactMode::Sticks,
+            (false, _) => ContactMode::Closed,
+        };
+        contacts.iter().map(mode).collect()
+    };
+    let rows: Vec<usize> = (0..system.description().rows.len()).collect();
+    let [sliding, sticking] = [true, false].map(|slips| {
+        let phase = system.contacts().phase(&modes_with(slips));
+        system.set_phase(phase);
+        multiplier_effects(system, at, &rows)
+    });
+    system.set_phase(before);
+    let matrix = constraint_matrix(system, at, &rows);
+    let (a, mut lambda) = (vec![0.0; system.len()], vec![0.0; rows.len()]);
+    let mut found = Vec::new();
+    for contact in contacts.iter() {
+        let (Some(normal), Some(tangent), Some(event)) = (contact.normal, contact.tangent, contact.slips()) else {
+            found.push([0.0; 2]);
+            continue;
+        };
+        let (normal, along) = (normal as usize, matrix.row(tangent as usize).transpose());
+        // Sliding forwards a pressed contact pushes with −μ N along the sliding.
+        let pushed = sliding.column(normal) - sticking.column(normal);
+        let slides = -pushed.dot(&along) / along.dot(&along);
+        lambda.fill(0.0);
+        lambda[normal] = 1.0;
+        let mut pairs = vec![0.0; 2 * system.description().events.len()];
+        system.events(at.accelerated(&a).constrained(&lambda), &mut pairs);
+        let sticks = pairs[2 * event].max(0.0).sqrt();
+        found.push([if slides.is_finite() { slides } else { 0.0 }, sticks]);
+    }
+    found
+}

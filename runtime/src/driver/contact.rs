@@ -1,0 +1,90 @@
+//! Contacts that close, open, stick and slip by themselves.
+
+use super::Integration;
+use super::phase::Done;
+use crate::cause::Cause;
+use crate::constrain::{Change, Strike, VelocityJump, settle, strike};
+use crate::mechanism::{ContactEvent, System};
+use crate::run::Recorder;
+
+impl Integration {
+    /// Decides what all contacts do where an event of one of them happened.
+    pub(super) fn change_contact(
+        &mut self,
+        system: &mut dyn System,
+        (event, contact): (usize, usize),
+        recorder: &mut Recorder,
+    ) -> Result<Done, Box<Cause>> {
+        let Some(what) = system.contacts().all[contact].happened(event) else {
+            return Ok(Done { acts: false, strikes: false });
+        };
+        let struck = match what {
+            ContactEvent::Lands => self.lands(system, (event, contact), recorder)?,
+            _ => None,
+        };
+        let scales = self.scales(system);
+        let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
+        let before = system.phase();
+        let change = match &struck {
+            Some(strike) => Change::Struck(strike),
+            None => Change::Event { contact, what },
+        };
+        let phase = settle(system, (now, &y, &scales), change)?;
+        system.set_phase(before);
+        if phase == before && struck.is_none() {
+            return Ok(Done { acts: false, strikes: false });
+        }
+        let entered = self.enter(system, phase, &[], recorder)?;
+        Ok(Done { acts: true, strikes: entered || struck.is_some() })
+    }
+
+    /// A contact's coefficient of restitution.
+    fn restitution(&self, system: &dyn System, contact: usize) -> f64 {
+        let place = system.contacts().all[contact].restitution;
+        place.and_then(|place| system.restitutions().get(place as usize).copied()).unwrap_or(0.0)
+    }
+
+    /// The largest Σ |terms| that the constraints' rows have had, here included.
+    fn scales(&mut self, system: &dyn System) -> Vec<f64> {
+        let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
+        let Some(projection) = &mut self.projection else { return Vec::new() };
+        projection.observe(system, now, &y);
+        projection.scales().to_vec()
+    }
+
+    /// The impact of a contact that closes, and of what it strikes with; `None` where nothing approaches.
+    fn lands(
+        &mut self,
+        system: &mut dyn System,
+        (event, contact): (usize, usize),
+        recorder: &mut Recorder,
+    ) -> Result<Option<Strike>, Box<Cause>> {
+        let now = self.clock.now();
+        let e = self.restitution(system, contact);
+        // What loses no speed goes on for ever.
+        let end = if e > 0.0 && e < 1.0 { self.impacts.note(event, now) } else { None };
+        let (y, scales) = (self.stepper.start().y.to_vec(), self.scales(system));
+        let hops = self.low_hops(system, &scales);
+        let slow = |row: u32| hops.get(row as usize).filter(|hop| hop.back < 0.0).map_or(0.0, |hop| hop.rate);
+        let contacts = system.contacts().all.iter();
+        let mut slow: Vec<f64> = contacts.map(|contact| contact.normal.map_or(0.0, slow)).collect();
+        if end.is_some() {
+            slow[contact] = f64::INFINITY;
+        }
+        let Some(strike) = strike(system, (now, &y, &scales), &slow)? else { return Ok(None) };
+        if let Some(end) = end {
+            // The last hops lead along the contact, on which it rests.
+            let left = end - now;
+            let (q, v) = self.stepper.state_mut().split_at_mut(system.len());
+            q.iter_mut().zip(v.iter().zip(&strike.jump)).for_each(|(q, (v, jump))| *q += left * (v + jump));
+            self.clock.set(end);
+            self.impacts.forget(event);
+            if left > 0.0 {
+                recorder.accumulated(system, event, end);
+            }
+        }
+        let jump = VelocityJump { jump: strike.jump.clone(), rows: strike.rows.clone() };
+        self.take(system, jump, recorder);
+        Ok(Some(strike))
+    }
+}

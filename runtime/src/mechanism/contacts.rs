@@ -1,0 +1,177 @@
+//! Friction that may stick and contacts that may open: what a mechanism says of them, and which phase belongs to what they do.
+
+use super::{List, Text};
+
+/// All contacts of a mechanism.  Its phases are the combinations of their modes, the last contact's changing fastest.
+///
+/// ```
+/// use dalembert::prelude::*;
+/// dalembert::model!(yaml = r#"
+/// name: Dropped
+/// parameters: {m: 1 kg, g: 9.81 m/s^2, e: 0.5}
+/// coordinates: {y: m}
+/// bodies: {ball: {mass: m, position: "[0, y]"}}
+/// gravity: [0, -g]
+/// contacts: {floor: {gap: y, on: ball, normal: "[0, 1]", restitution: e}}
+/// scene: {start: {y: 1}, until: 3}
+/// "#);
+/// let run = Dropped::default().simulate().run()?;
+/// // It hops for (1 + e)/(1 − e) √(2 h/g) = 1.35 s and rests.
+/// assert!(run.last()["y"].abs() < 1e-12);
+/// # Ok::<(), dalembert::Error>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Contacts {
+    /// In the order of the file.
+    pub all: List<Contact>,
+    /// What several that strike at once do, where the file says so.
+    pub law: Option<ImpactLaw>,
+}
+
+/// Friction, or a contact, with what tells its mode.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Contact {
+    /// Its name.
+    pub name: Text,
+    /// The row of its gap; absent for friction alone.
+    pub normal: Option<u32>,
+    /// The row of its sliding rate; absent where nothing rubs.
+    pub tangent: Option<u32>,
+    /// The first of its events, in the order of [`ContactEvent`], those that it has.
+    pub first_event: u32,
+    /// The place of its coefficient of restitution in `System::restitutions`.
+    pub restitution: Option<u32>,
+}
+
+/// What a contact does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ContactMode {
+    /// Its sides are apart.
+    Open,
+    /// Its sides touch, and nothing rubs.
+    Closed,
+    /// Its sides do not slide on each other.
+    Sticks,
+    /// The sliding rate is not negative.
+    SlipsForwards,
+    /// The sliding rate is not positive.
+    SlipsBackwards,
+}
+
+/// What happens to a contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ContactEvent {
+    /// Its gap closes.
+    Lands,
+    /// The force across it falls to 0.
+    Lifts,
+    /// It stops sliding.
+    Stops,
+    /// The force with which it sticks reaches its limit: L₀² − T² falls through 0.
+    Slips,
+}
+
+/// What several contacts that strike at once do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ImpactLaw {
+    /// One after the other, the fastest approach first, until none approaches.
+    Sequential,
+    /// All at once, by Newton's law: no rate of a gap is less than −e times what it was.
+    Together,
+    /// All at once, compressed without restitution, then e times those impulses are given back (Poisson).
+    Poisson,
+}
+
+/// Those of a mechanism that has none.
+pub(crate) static NONE: Contacts = Contacts { all: List::Borrowed(&[]), law: None };
+
+impl ContactMode {
+    /// Whether the sides touch.
+    pub fn touches(self) -> bool {
+        self != ContactMode::Open
+    }
+
+    /// The sign of the sliding rate, 0 unless it slides.
+    pub fn sliding(self) -> f64 {
+        match self {
+            ContactMode::SlipsForwards => 1.0,
+            ContactMode::SlipsBackwards => -1.0,
+            ContactMode::Open | ContactMode::Closed | ContactMode::Sticks => 0.0,
+        }
+    }
+}
+
+impl Contact {
+    /// Its events, in order.
+    pub fn events(&self) -> impl Iterator<Item = (u32, ContactEvent)> {
+        let of_gap = self.normal.map(|_| [ContactEvent::Lands, ContactEvent::Lifts]);
+        let of_sliding = self.tangent.map(|_| [ContactEvent::Stops, ContactEvent::Slips]);
+        (self.first_event..).zip(of_gap.into_iter().flatten().chain(of_sliding.into_iter().flatten()))
+    }
+
+    /// What an event says of it.
+    pub(crate) fn happened(&self, event: usize) -> Option<ContactEvent> {
+        self.events().find(|(own, _)| *own as usize == event).map(|(_, what)| what)
+    }
+
+    /// The event of [`ContactEvent::Slips`].
+    pub(crate) fn slips(&self) -> Option<usize> {
+        self.events().find(|(_, what)| *what == ContactEvent::Slips).map(|(event, _)| event as usize)
+    }
+
+    /// Its modes, in the order in which phases count them.
+    pub fn modes(&self) -> &'static [ContactMode] {
+        use ContactMode::{Closed, Open, SlipsBackwards, SlipsForwards, Sticks};
+        match (self.normal, self.tangent) {
+            (Some(_), Some(_)) => &[Open, SlipsForwards, SlipsBackwards, Sticks],
+            (Some(_), None) => &[Open, Closed],
+            (None, _) => &[SlipsForwards, SlipsBackwards, Sticks],
+        }
+    }
+}
+
+impl Contacts {
+    /// The mode of each contact in a phase.
+    pub fn modes(&self, phase: usize) -> Vec<ContactMode> {
+        let mut rest = phase;
+        let mut modes: Vec<ContactMode> = self
+            .all
+            .iter()
+            .rev()
+            .map(|contact| {
+                let modes = contact.modes();
+                let mode = modes[rest % modes.len()];
+                rest /= modes.len();
+                mode
+            })
+            .collect();
+        modes.reverse();
+        modes
+    }
+
+    /// The phase in which the contacts are in these modes.
+    pub fn phase(&self, modes: &[ContactMode]) -> usize {
+        self.all.iter().zip(modes).fold(0, |phase, (contact, mode)| {
+            let place = contact.modes().iter().position(|of| of == mode).unwrap_or(0);
+            phase * contact.modes().len() + place
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn phases_count_combinations_of_modes() {
+        let rubs = Contact { tangent: Some(0), ..Contact::default() };
+        let strikes = Contact { normal: Some(1), ..Contact::default() };
+        let both = Contact { normal: Some(2), tangent: Some(3), ..Contact::default() };
+        let contacts = Contacts { all: vec![rubs, strikes, both].into(), law: None };
+        let all: Vec<Vec<ContactMode>> = (0..24).map(|phase| contacts.modes(phase)).collect();
+        assert!(all.iter().enumerate().all(|(phase, modes)| contacts.phase(modes) == phase));
+        assert_eq!(all[0], [ContactMode::SlipsForwards, ContactMode::Open, ContactMode::Open]);
+        assert_eq!(all[5], [ContactMode::SlipsForwards, ContactMode::Closed, ContactMode::SlipsForwards]);
+        assert_eq!(all[23], [ContactMode::Sticks, ContactMode::Closed, ContactMode::Sticks]);
+    }
+}

@@ -1,0 +1,95 @@
+//! Friction that may stick and contacts that may open: each is in one of a few modes, and a phase is one mode for each.
+
+use crate::diagnose::Place;
+use crate::expr::Id;
+
+/// What `friction` or `contacts` declares.
+///
+/// A contact has a gap g ≥ 0 and a force N ≥ 0 across it, of which one is 0; where something rubs there is a sliding rate s, and a force T
+/// against it: T = −L sign(s) while it slides, |T| ≤ L₀ while it sticks, s = 0.
+#[derive(Clone, Debug)]
+pub struct Contact {
+    /// Its expanded name.
+    pub name: String,
+    /// The constraint g = 0, by its place; absent for friction alone, which is always in touch.
+    pub normal: Option<usize>,
+    /// The constraint s = 0, by its place; absent where nothing rubs.
+    pub tangent: Option<usize>,
+    /// The coefficient of restitution, of parameters; absent for friction alone.
+    pub restitution: Option<Id>,
+    /// The first of its events, by its place: with a gap it lands (g falls through 0) and lifts (N does); where something rubs it stops
+    /// (s is 0) and slips (L₀² − T² falls through 0).
+    pub first_event: usize,
+    /// Where it is declared.
+    pub place: Place,
+}
+
+/// What a contact does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ContactMode {
+    /// Its sides are apart.
+    Open,
+    /// Its sides touch, and nothing rubs.
+    Closed,
+    /// s = 0.
+    Sticks,
+    /// s ≥ 0.
+    SlipsForwards,
+    /// s ≤ 0.
+    SlipsBackwards,
+}
+
+impl ContactMode {
+    /// The modes of a contact with these constraints; the first is in force where a model's first phase is.
+    pub fn of(normal: bool, tangent: bool) -> &'static [ContactMode] {
+        use ContactMode::{Closed, Open, SlipsBackwards, SlipsForwards, Sticks};
+        match (normal, tangent) {
+            (true, true) => &[Open, SlipsForwards, SlipsBackwards, Sticks],
+            (true, false) => &[Open, Closed],
+            (false, _) => &[SlipsForwards, SlipsBackwards, Sticks],
+        }
+    }
+
+    /// In words after a contact's name.
+    pub fn words(self) -> &'static str {
+        match self {
+            ContactMode::Open => "open",
+            ContactMode::Closed => "closed",
+            ContactMode::Sticks => "sticks",
+            ContactMode::SlipsForwards => "slips forwards",
+            ContactMode::SlipsBackwards => "slips backwards",
+        }
+    }
+
+    /// Whether the sides touch.
+    pub fn touches(self) -> bool {
+        self != ContactMode::Open
+    }
+
+    /// Whether they slide on each other: in a mode of a contact where something rubs.
+    pub fn slips(self) -> bool {
+        matches!(self, ContactMode::SlipsForwards | ContactMode::SlipsBackwards)
+    }
+}
+
+/// What several contacts that strike at once do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ImpactLaw {
+    /// One after the other, the fastest approach first, until none approaches.
+    Sequential,
+    /// All at once, by Newton's law: no rate of a gap is less than −e times what it was.
+    Together,
+    /// All at once, compressed without restitution, then e times those impulses are given back (Poisson).
+    Poisson,
+}
+
+/// The modes of all contacts in every phase, the last contact's changing fastest.
+pub fn combinations(of: &[&'static [ContactMode]]) -> Vec<Vec<ContactMode>> {
+    of.iter().fold(vec![Vec::new()], |before, modes| {
+        let with = |one: &Vec<ContactMode>| {
+            let one = one.clone();
+            modes.iter().map(move |mode| [one.as_slice(), &[*mode]].concat()).collect::<Vec<_>>()
+        };
+        before.iter().flat_map(with).collect()
+    })
+}

@@ -1,0 +1,449 @@
+//! `friction`, `contacts` and `impacts`: what sticks, opens and strikes by itself (LANGUAGE, section 6).
+//!
+//! A contact becomes what a person would write by hand: constraints for its gap and its sliding rate, a phase for every combination of what
+//! all contacts do, friction that acts while it slides, and the events at which one of them changes.
+
+use super::loads::{AttachedTo, Draft, DraftPush, Drafts};
+use super::resolve_values::Want;
+use super::springs::Placement;
+use crate::diagnose::Place;
+use crate::diagnose::catalogue::{contacts, sections};
+use crate::diagnose::did_you_mean_or;
+use crate::expr::{Id, Symbol, vectors};
+use crate::file::{Quantity, Spot, Text, Written};
+use crate::model::contact::{Contact, ContactMode, ImpactLaw, combinations};
+use crate::model::event::{Event, EventAction, Trigger};
+use crate::model::expression::dimension::Dimension;
+use crate::model::expression::families::Locals;
+use crate::model::expression::rules::Rules;
+use crate::model::expression::scope::{ConstraintNames, Entry, JointRow, Member, Section};
+use crate::model::resolved::{Phase, Work};
+use crate::model::resolver::Resolver;
+
+/// All combinations of modes are phases of their own: four contacts with friction have so many.
+const MOST_PHASES: usize = 256;
+
+const POINT: Rules = Rules::joint("a point of a contact").si(Dimension::LENGTH);
+const NORMAL: Rules = Rules::joint("a contact's normal");
+const COEFFICIENT: Rules = Rules::velocity("a coefficient of friction").si(Dimension::ONE);
+
+/// An entry as it was read.
+#[derive(Clone)]
+pub struct ContactText {
+    /// Its expanded name.
+    name: String,
+    /// Its places among the constraints.
+    normal: Option<usize>,
+    tangent: Option<usize>,
+    kind: Kind,
+    locals: Locals,
+    place: Place,
+}
+
+#[derive(Clone)]
+enum Kind {
+    /// `friction`.
+    Friction(Box<FrictionText>),
+    /// `contacts`.
+    Contact(Box<Touching>),
+}
+
+#[derive(Clone)]
+struct FrictionText {
+    rate: Text,
+    limit: Text,
+    greatest: Option<Text>,
+    placement: Placement,
+}
+
+#[derive(Clone)]
+struct Touching {
+    on: Text,
+    from: Option<Text>,
+    at: Option<Written>,
+    normal: Written,
+    friction: Option<Text>,
+    greatest: Option<Text>,
+    restitution: Option<Quantity>,
+}
+
+impl ContactText {
+    /// Its constraints, by their places.
+    pub fn constraints(&self) -> impl Iterator<Item = usize> {
+        [self.normal, self.tangent].into_iter().flatten()
+    }
+
+    fn modes(&self) -> &'static [ContactMode] {
+        ContactMode::of(self.normal.is_some(), self.tangent.is_some())
+    }
+}
+
+impl Resolver<'_> {
+    /// The constraints of all contacts, and where they stand.
+    pub fn declare_contacts(&mut self, places: &mut Vec<Place>) {
+        for section in ["friction", "contacts"] {
+            for (key, spot) in self.section(section) {
+                let family = self.expand(key, &spot);
+                let base = key.split('[').next().unwrap_or(key).trim().to_owned();
+                let reserved = family.is_some() && self.is_no_label(&base, &[], &spot);
+                let read = if section == "friction" { self.friction_text(&spot) } else { self.touching(&spot) };
+                let indices = family.as_ref().map_or(0, |family| family.key.indices.len());
+                let refused = family.is_none() || read.is_none() || reserved;
+                let fresh = !self.scope.constraint_names.contains_key(&base);
+                let entry = Entry { refused, ..Entry::new(Section::Constraint, indices) };
+                self.scope.constraint_names.entry(base.clone()).or_insert(entry);
+                if !fresh {
+                    let sections = "`constraints`, `joints`, `friction` and `contacts`";
+                    self.builder.problems.push(sections::duplicate_label(spot.place.of_key(), &base, sections));
+                    continue;
+                }
+                let (Some(family), Some(kind), false) = (family, read, reserved) else { continue };
+                for member in &family.members {
+                    let name = member.name();
+                    let place = self.scope.constraints.len();
+                    let entry = self.scope.constraint_names.get_mut(&member.base);
+                    if !entry.is_some_and(|entry| entry.add(&member.indices, Member::Constraint(place))) {
+                        let section = format!("`{section}`");
+                        self.builder.problems.push(sections::duplicate_label(spot.place.of_key(), name, &section));
+                        break;
+                    }
+                    self.declare_contact((&spot, name), kind.clone(), &member.locals);
+                    places.extend((place..self.scope.constraints.len()).map(|_| spot.place.clone()));
+                }
+            }
+        }
+    }
+
+    fn declare_contact(&mut self, (spot, name): (&Spot<'_>, String), kind: Kind, locals: &Locals) {
+        let first = self.scope.constraints.len();
+        let (normal, tangent) = match &kind {
+            Kind::Friction(text) => {
+                let written = Some(Written::One(text.rate.clone()));
+                let item = self.item(name.clone(), written, Rules::constraint(), Want::Scalar, locals);
+                self.scope.constraints.push(ConstraintNames { name: name.clone(), item, first: None });
+                (None, Some(first))
+            }
+            Kind::Contact(text) => {
+                let gap = spot.get("gap").and_then(|gap| gap.text(&mut Vec::new()));
+                let item = self.item(name.clone(), gap.map(Written::One), Rules::constraint(), Want::Scalar, locals);
+                self.scope.constraints.push(ConstraintNames { name: name.clone(), item, first: None });
+                let tangent = text.friction.as_ref().map(|_| {
+                    let row = format!("{name}.friction");
+                    let item = self.sliding_rate(&row, text, locals);
+                    self.scope.constraints.push(ConstraintNames { name: row, item, first: None });
+                    first + 1
+                });
+                (Some(first), tangent)
+            }
+        };
+        let (locals, place) = (locals.clone(), spot.place.clone());
+        self.contacts.push(ContactText { name, normal, tangent, kind, locals, place });
+    }
+
+    /// The item of a contact's sliding rate: that of the material of `on` less that of `from`, across the normal.
+    fn sliding_rate(&mut self, name: &str, text: &Touching, locals: &Locals) -> usize {
+        let on = self.body(&text.on, locals);
+        let from = text.from.as_ref().map_or(Some(None), |from| self.body(from, locals));
+        let at = text.at.clone().unwrap_or_else(|| Written::One(text.on.clone()));
+        let at = self.item(format!("the point of {name}"), Some(at), POINT, Want::Vector, locals);
+        let normal = Some(text.normal.clone());
+        let normal = self.item(format!("the normal of {name}"), normal, NORMAL, Want::Vector, locals);
+        match (on, from) {
+            (Some(on), Some(from)) => {
+                let want = Want::Joint(JointRow::Slide { bodies: [on, from], at, normal });
+                self.item(name.to_owned(), None, Rules::constraint(), want, locals)
+            }
+            // Without a value; what is wrong was reported.
+            _ => self.item(name.to_owned(), None, Rules::constraint(), Want::Scalar, locals),
+        }
+    }
+
+    /// `{rate: x' - belt, on: block, along: "[1, 0]", limit: F, static: F_s}`.
+    fn friction_text(&mut self, spot: &Spot<'_>) -> Option<Kind> {
+        let keys = ["rate", "on", "from", "at", "along", "axis", "limit", "static"];
+        let problems = &mut self.builder.problems;
+        if !spot.only(&keys, "a friction", problems) {
+            return None;
+        }
+        let rate = spot.need("rate", "a friction", problems).and_then(|rate| rate.text(problems));
+        let limit = spot.need("limit", "a friction", problems).and_then(|limit| limit.text(problems));
+        let greatest = spot.get("static").map(|greatest| greatest.text(problems));
+        let placement = self.placement(spot);
+        let (rate, limit, placement) = (rate?, limit?, placement?);
+        let greatest = match greatest {
+            Some(greatest) => Some(greatest?),
+            None => None,
+        };
+        Some(Kind::Friction(Box::new(FrictionText { rate, limit, greatest, placement })))
+    }
+
+    /// `{gap: left.y, on: block, at: left, normal: "[0, 1]", friction: mu, restitution: e}`.
+    fn touching(&mut self, spot: &Spot<'_>) -> Option<Kind> {
+        let keys = ["gap", "on", "from", "at", "normal", "friction", "static", "restitution"];
+        let problems = &mut self.builder.problems;
+        if !spot.only(&keys, "a contact", problems) {
+            return None;
+        }
+        if self.scope.dimension == 3
+            && let Some(friction) = spot.get("friction")
+        {
+            problems.push(contacts::friction_in_space(friction.place.of_key()));
+            return None;
+        }
+        if let (None, Some(greatest)) = (spot.get("friction"), spot.get("static")) {
+            problems.push(sections::needs_another_key(greatest.place.of_key(), "static", "friction", "this entry"));
+            return None;
+        }
+        let gap = spot.need("gap", "a contact", problems).and_then(|gap| gap.text(problems));
+        let on = spot.need("on", "a contact", problems).and_then(|on| on.text(problems));
+        let normal = spot.need("normal", "a contact", problems).and_then(|normal| normal.written(problems));
+        let mut text = |key: &str| match spot.get(key) {
+            Some(spot) => spot.text(problems).map(Some),
+            None => Some(None),
+        };
+        let (from, friction, greatest) = (text("from"), text("friction"), text("static"));
+        let restitution = match spot.get("restitution") {
+            Some(restitution) => restitution.quantity(problems).map(Some),
+            None => Some(None),
+        };
+        let at = match spot.get("at") {
+            Some(at) => at.written(problems).map(Some),
+            None => Some(None),
+        };
+        gap?;
+        Some(Kind::Contact(Box::new(Touching {
+            on: on?,
+            from: from?,
+            at: at?,
+            normal: normal?,
+            friction: friction?,
+            greatest: greatest?,
+            restitution: restitution?,
+        })))
+    }
+
+    /// A phase for each combination of what the contacts do, each with the constraints that hold then; false where the file has no contacts.
+    pub fn phases_of_contacts(&mut self) -> bool {
+        let Some(first) = ["friction", "contacts"].into_iter().find_map(|key| self.root.get(key)) else { return false };
+        let place = first.place.of_key();
+        if let Some(phases) = self.root.get("phases") {
+            self.builder.problems.push(contacts::phases_beside_contacts(phases.place.of_key()));
+        }
+        let modes: Vec<&'static [ContactMode]> = self.contacts.iter().map(ContactText::modes).collect();
+        let count = modes.iter().try_fold(1_usize, |count, modes| count.checked_mul(modes.len()));
+        let always = |place: &usize| {
+            !self.contacts.iter().any(|contact| [contact.normal, contact.tangent].contains(&Some(*place)))
+        };
+        let always: Vec<usize> = (0..self.scope.constraints.len()).filter(always).collect();
+        if count.is_none_or(|count| count > MOST_PHASES) {
+            self.builder.problems.push(contacts::too_many_contacts(place.clone(), MOST_PHASES));
+            self.model.phases = vec![Phase { name: String::new(), constraints: always, place }];
+            self.contacts.clear();
+            return true;
+        }
+        self.model.phases.clear();
+        for modes in combinations(&modes) {
+            let name: Vec<String> =
+                self.contacts.iter().zip(&modes).map(|(c, mode)| format!("{} {}", c.name, mode.words())).collect();
+            let mut constraints = always.clone();
+            for (contact, mode) in self.contacts.iter().zip(&modes) {
+                constraints.extend(contact.normal.filter(|_| mode.touches()));
+                constraints.extend(contact.tangent.filter(|_| *mode == ContactMode::Sticks));
+            }
+            let place = place.clone();
+            self.model.phases.push(Phase { name: name.join(", "), constraints, place });
+        }
+        true
+    }
+
+    /// The phases in which a contact is in one of these modes.
+    fn phases_with(&self, contact: usize, is: impl Fn(ContactMode) -> bool) -> Vec<usize> {
+        let modes: Vec<&'static [ContactMode]> = self.contacts.iter().map(ContactText::modes).collect();
+        let combinations = combinations(&modes).into_iter().enumerate();
+        combinations.filter(|(_, modes)| is(modes[contact])).map(|(phase, _)| phase).collect()
+    }
+
+    /// The sign of the sliding rate while it slides, else 0.
+    fn sign_of_sliding(&mut self, contact: usize) -> Id {
+        let forwards = self.phases_with(contact, |mode| mode == ContactMode::SlipsForwards);
+        let backwards = self.phases_with(contact, |mode| mode == ContactMode::SlipsBackwards);
+        let (forwards, backwards) = (self.indicator(&forwards), self.indicator(&backwards));
+        self.builder.graph.sub(forwards, backwards)
+    }
+
+    /// The multiplier of a constraint with one row.
+    fn multiplier_of(&mut self, constraint: usize) -> Id {
+        let row = self.model.constraints.get(constraint).map_or(0, |constraint| constraint.first);
+        self.builder.graph.symbol(Symbol::Multiplier(row as u32))
+    }
+
+    /// The forces of all contacts: friction that slides, and for balances what constraints push with.
+    pub fn contact_loads(&mut self, drafts: &mut Drafts) {
+        for k in 0..self.contacts.len() {
+            let contact = self.contacts[k].clone();
+            let draft = match &contact.kind {
+                Kind::Friction(text) => self.friction_load((k, &contact), text, drafts),
+                Kind::Contact(text) => self.touching_load((k, &contact), text, drafts),
+            };
+            drafts.loads.extend(draft);
+        }
+    }
+
+    /// The two limits of a friction: while it slides, and while it sticks.
+    fn limits(&mut self, text: &FrictionText, locals: &Locals) -> Option<[Id; 2]> {
+        let rules = Rules::mechanical("a rate").like(self.scope.units.rate(text.placement.unit(self)));
+        self.scalar(&text.rate, rules, locals)?;
+        let unit = self.scope.units.of(Dimension::POWER).over(self.builder.measured);
+        let rules = Rules::load("the limit of a friction").like(unit);
+        let limit = self.scalar(&text.limit, rules, locals);
+        let greatest = text.greatest.as_ref().map_or(limit, |greatest| self.scalar(greatest, rules, locals));
+        Some([limit?, greatest?])
+    }
+
+    fn friction_load(
+        &mut self,
+        (k, contact): (usize, &ContactText),
+        text: &FrictionText,
+        drafts: &mut Drafts,
+    ) -> Option<Draft> {
+        let [limit, _] = self.limits(text, &contact.locals)?;
+        let (sign, held) = (self.sign_of_sliding(k), self.multiplier_of(contact.tangent?));
+        let rate = self.value_of(contact.tangent?)?;
+        let tension = self.builder.graph.mul(sign, limit);
+        let whole = self.builder.graph.sub(tension, held);
+        let pushes = self.placed_pushes(&text.placement, whole, &contact.locals, drafts)?;
+        let work = Work::Resistance { rate, tension };
+        Some(Draft { name: contact.name.clone(), work, pushes, place: contact.place.clone() })
+    }
+
+    fn touching_load(
+        &mut self,
+        (k, contact): (usize, &ContactText),
+        text: &Touching,
+        drafts: &mut Drafts,
+    ) -> Option<Draft> {
+        let locals = &contact.locals;
+        let across = self.multiplier_of(contact.normal?);
+        let normal = self.vector(&text.normal, NORMAL, locals)?;
+        let normal = vectors::unit(&mut self.builder.graph, &normal);
+        let mut force = vectors::scaled(&mut self.builder.graph, across, &normal);
+        let work = match (contact.tangent, &text.friction) {
+            (Some(tangent), Some(friction)) => {
+                let coefficient = self.scalar(friction, COEFFICIENT, locals)?;
+                let (sign, held) = (self.sign_of_sliding(k), self.multiplier_of(tangent));
+                let rate = self.value_of(tangent)?;
+                let graph = &mut self.builder.graph;
+                let tension = graph.mul(coefficient, across);
+                let tension = graph.mul(sign, tension);
+                let along = graph.sub(held, tension);
+                let &[x, y] = normal.as_slice() else { return None };
+                let tangent = [y, graph.neg(x)];
+                let rub = vectors::scaled(graph, along, &tangent);
+                force = vectors::add(graph, &force, &rub);
+                Work::Resistance { rate, tension }
+            }
+            _ => Work::Resistance { rate: Id::ZERO, tension: Id::ZERO },
+        };
+        let end = self.placed(&text.on, text.at.as_ref(), locals, drafts)?;
+        let minus = vectors::negative(&mut self.builder.graph, &force);
+        let push = |attached: AttachedTo, at: Vec<Id>, force| DraftPush { attached, at, force, couple: Vec::new() };
+        let mut pushes = vec![push(end.attached, end.at.clone(), force)];
+        if let Some(from) = &text.from {
+            let opposite = self.opposite(from, &end.at, locals)?;
+            pushes.push(push(opposite.attached, opposite.at, minus));
+        }
+        Some(Draft { name: contact.name.clone(), work, pushes, place: contact.place.clone() })
+    }
+
+    /// The value of a constraint with one row.
+    fn value_of(&self, constraint: usize) -> Option<Id> {
+        self.model.constraints.get(constraint)?.value.first().copied()
+    }
+
+    /// `impacts`, and the events at which contacts change.
+    pub fn contact_events(&mut self) {
+        self.impact_law();
+        for k in 0..self.contacts.len() {
+            let contact = self.contacts[k].clone();
+            let first_event = self.model.events.len();
+            if let Some(normal) = contact.normal {
+                let open = self.phases_with(k, |mode| !mode.touches());
+                let touching = self.phases_with(k, ContactMode::touches);
+                let (Some(gap), force) = (self.value_of(normal), self.multiplier_of(normal)) else { continue };
+                self.contact_event((k, &contact, "lands"), (gap, -1), open);
+                self.contact_event((k, &contact, "lifts"), (force, -1), touching);
+            }
+            if let Some(tangent) = contact.tangent {
+                let Some(rate) = self.value_of(tangent) else { continue };
+                let Some(margin) = self.margin(&contact) else { continue };
+                let sliding = self.phases_with(k, ContactMode::slips);
+                let sticking = self.phases_with(k, |mode| mode == ContactMode::Sticks);
+                self.contact_event((k, &contact, "stops"), (rate, 0), sliding);
+                self.contact_event((k, &contact, "slips"), (margin, -1), sticking);
+            }
+            let restitution = match &contact.kind {
+                Kind::Friction(_) => None,
+                Kind::Contact(text) => Some(match &text.restitution {
+                    None => Id::ZERO,
+                    Some(text) => match self.coefficient_of_restitution(text, &contact.locals) {
+                        Some(e) => e,
+                        None => continue,
+                    },
+                }),
+            };
+            let ContactText { name, normal, tangent, place, .. } = contact;
+            self.model.contacts.push(Contact { name, normal, tangent, restitution, first_event, place });
+        }
+    }
+
+    /// L₀² − T².
+    fn margin(&mut self, contact: &ContactText) -> Option<Id> {
+        let greatest = match &contact.kind {
+            Kind::Friction(text) => self.limits(text, &contact.locals)?[1],
+            Kind::Contact(text) => {
+                let coefficient = text.greatest.as_ref().or(text.friction.as_ref())?;
+                let coefficient = self.scalar(coefficient, COEFFICIENT, &contact.locals)?;
+                let across = self.multiplier_of(contact.normal?);
+                self.builder.graph.mul(coefficient, across)
+            }
+        };
+        let held = self.multiplier_of(contact.tangent?);
+        let graph = &mut self.builder.graph;
+        let (greatest, held) = (graph.mul(greatest, greatest), graph.mul(held, held));
+        Some(graph.sub(greatest, held))
+    }
+
+    fn contact_event(
+        &mut self,
+        (k, contact, what): (usize, &ContactText, &str),
+        (when, direction): (Id, i8),
+        phases: Vec<usize>,
+    ) {
+        let name = format!("{} {what}", contact.name);
+        self.model.events.push(Event {
+            name,
+            trigger: Trigger::Zero,
+            when,
+            condition: None,
+            direction,
+            phases: Some(phases),
+            actions: vec![EventAction::Contact(k)],
+            place: contact.place.clone(),
+        });
+    }
+
+    fn impact_law(&mut self) {
+        let Some(spot) = self.root.get("impacts") else { return };
+        let laws =
+            [("sequential", ImpactLaw::Sequential), ("together", ImpactLaw::Together), ("poisson", ImpactLaw::Poisson)];
+        let Some(words) = spot.words(&mut self.builder.problems) else { return };
+        match laws.iter().find(|(name, _)| *name == words) {
+            Some((_, law)) => self.model.impacts = Some(*law),
+            None => {
+                let help = did_you_mean_or(words, &laws.map(|(name, _)| name));
+                let problem = sections::unknown_choice(spot.place.clone(), words, "a law of impacts", help);
+                self.builder.problems.push(problem);
+            }
+        }
+    }
+}
