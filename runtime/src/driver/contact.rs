@@ -3,7 +3,7 @@
 use super::Integration;
 use super::phase::Done;
 use crate::cause::Cause;
-use crate::constrain::{Change, Strike, VelocityJump, settle, strike};
+use crate::constrain::{Change, Moment, Strike, VelocityJump, settle, strike};
 use crate::mechanism::{ContactEvent, System};
 use crate::run::Recorder;
 
@@ -15,9 +15,12 @@ impl Integration {
         (event, contact): (usize, usize),
         recorder: &mut Recorder,
     ) -> Result<Done, Box<Cause>> {
-        let Some(what) = system.contacts().all[contact].happened(event) else {
-            return Ok(Done { acts: false, strikes: false });
-        };
+        let nothing = Done { acts: false, strikes: false };
+        let Some(what) = system.contacts().all[contact].happened(event) else { return Ok(nothing) };
+        // Another event of this instant may have changed it already.
+        if !what.is_of(system.contacts().modes(system.phase())[contact]) {
+            return Ok(nothing);
+        }
         let struck = match what {
             ContactEvent::Lands => self.lands(system, (event, contact), recorder)?,
             _ => None,
@@ -29,10 +32,11 @@ impl Integration {
             Some(strike) => Change::Struck(strike),
             None => Change::Event { contact, what },
         };
-        let phase = settle(system, (now, &y, &scales), change)?;
+        let moment = Moment { t: now, y: &y, scales: &scales, step: self.h };
+        let phase = settle(system, &moment, change)?;
         system.set_phase(before);
         if phase == before && struck.is_none() {
-            return Ok(Done { acts: false, strikes: false });
+            return Ok(nothing);
         }
         let entered = self.enter(system, phase, &[], recorder)?;
         Ok(Done { acts: true, strikes: entered || struck.is_some() })
@@ -70,8 +74,12 @@ impl Integration {
         let mut slow: Vec<f64> = contacts.map(|contact| contact.normal.map_or(0.0, slow)).collect();
         if end.is_some() {
             slow[contact] = f64::INFINITY;
+        } else if self.impacts.accumulate(event) {
+            // When its hops end will be known better than that they are low.
+            slow[contact] = 0.0;
         }
-        let Some(strike) = strike(system, (now, &y, &scales), &slow)? else { return Ok(None) };
+        let moment = Moment { t: now, y: &y, scales: &scales, step: self.h };
+        let Some(strike) = strike(system, &moment, &slow)? else { return Ok(None) };
         if let Some(end) = end {
             // The last hops lead along the contact, on which it rests.
             let left = end - now;

@@ -101,6 +101,18 @@ impl ContactMode {
     }
 }
 
+impl ContactEvent {
+    /// Whether it may happen to a contact in this mode.
+    pub(crate) fn is_of(self, mode: ContactMode) -> bool {
+        match self {
+            ContactEvent::Lands => !mode.touches(),
+            ContactEvent::Lifts => mode.touches(),
+            ContactEvent::Stops => mode.sliding() != 0.0,
+            ContactEvent::Slips => mode == ContactMode::Sticks,
+        }
+    }
+}
+
 impl Contact {
     /// Its events, in order.
     pub fn events(&self) -> impl Iterator<Item = (u32, ContactEvent)> {

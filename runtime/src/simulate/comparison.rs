@@ -11,7 +11,7 @@ use crate::driver::Followed;
 use crate::error::Error;
 use crate::events::begin_at;
 use crate::integrate::order;
-use crate::mechanism::dense::sizes_alike;
+use crate::mechanism::dense::{constraint_triples, sizes_alike};
 use crate::mechanism::{Action, Argument, At, Method, Role, System, Watched};
 use crate::run::{Digits, Run, evaluate_outputs};
 use crate::trust::{Loss, Warning, all_rates, inertia_condition};
@@ -304,7 +304,10 @@ fn alike(system: &mut dyn System, settings: &Settings, run: &Run) -> Settings {
         // Moved in one sense they might only be shifted.
         let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
         other.q[i] += sign * moves[i];
-        other.v[i] += sign * moves[n + i];
+        // What friction holds at rest would begin to slide.
+        if system.contacts().all.is_empty() || other.v[i] != 0.0 {
+            other.v[i] += sign * moves[n + i];
+        }
     }
     project(system, &mut other, &moves);
     other
@@ -318,8 +321,17 @@ fn project(system: &mut dyn System, settings: &mut Settings, moves: &[f64]) {
     let mut y = [settings.q.as_slice(), settings.v.as_slice()].concat();
     begin_at(system, settings.from, &y);
     // Where that cannot be, the start is left as it is.
+    let n = settings.q.len();
+    let rests = y[n..].iter().all(|v| *v == 0.0);
     if projection.project(system, settings.from, &mut y).is_ok() {
-        let n = settings.q.len();
+        // What was at rest is at rest beside it, if nothing drives the constraints.
+        if rests {
+            let still = [&y[..n], &vec![0.0; n]].concat();
+            let rates = constraint_triples(system, At::packed(settings.from, &still, n));
+            if system.active_rows().iter().all(|row| rates[*row as usize][1] == 0.0) {
+                y = still;
+            }
+        }
         // Where the constraints let nothing move as it was moved, what is left is rounding of that, and meets no constraint.
         let description = system.description();
         let moved = [sizes_alike(description, &moves[..n]), sizes_alike(description, &moves[n..])].concat();

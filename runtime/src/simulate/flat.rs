@@ -20,7 +20,9 @@ pub(super) fn widen_flat_events(system: &dyn System, run: &Run, digits: &mut Dig
         // The function is that of the phase which the event may end.
         let before = run.phases.iter().take_while(|(from, _)| *from < t).last().or(run.phases.first());
         before.into_iter().for_each(|(_, phase)| system.set_phase(*phase));
-        let width = if Some(t) == start { 0.0 } else { flat(&*system, run, event.event, t) };
+        // Behind it other equations are in force.
+        let ends = run.phases.iter().any(|(from, _)| *from == t);
+        let width = if Some(t) == start { 0.0 } else { flat(&*system, run, event.event, (t, ends)) };
         if width > SIMPLE * f64::EPSILON * t.abs() {
             digits.widen_event(index, width);
             if run.ended_by == Some(index) {
@@ -30,8 +32,8 @@ pub(super) fn widen_flat_events(system: &dyn System, run: &Run, digits: &mut Dig
     }
 }
 
-/// Half of the time in which an event's function is below its rounding about its zero at t, s.
-fn flat(system: &dyn System, run: &Run, event: usize, t: f64) -> f64 {
+/// Half of the time in which an event's function is below its rounding about its zero at t, s; before it, where a phase `ends` there.
+fn flat(system: &dyn System, run: &Run, event: usize, (t, ends): (f64, bool)) -> f64 {
     let Some(state) = run.at(t) else { return 0.0 };
     let y = [state.q, state.v].concat();
     let Some(here) = value(system, event, t, &y) else { return 0.0 };
@@ -47,7 +49,7 @@ fn flat(system: &dyn System, run: &Run, event: usize, t: f64) -> f64 {
     let silent =
         |t: f64| motion(system, run, t).and_then(|y| value(system, event, t, &y)).is_some_and(|f| f.abs() <= noise);
     let mut width = f64::EPSILON * t.abs().max(f64::MIN_POSITIVE);
-    while silent(t - 2.0 * width) || silent(t + 2.0 * width) {
+    while silent(t - 2.0 * width) || !ends && silent(t + 2.0 * width) {
         width *= 2.0;
     }
     width

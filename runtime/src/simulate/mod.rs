@@ -36,7 +36,7 @@ pub use settings::Settings;
 pub use typed::Simulate;
 
 use crate::cause::{Cause, NoSeries};
-use crate::constrain::{self, Change, Elsewhere, consistent, other_branch, settle};
+use crate::constrain::{self, Change, Elsewhere, Moment, consistent, other_branch, settle};
 use crate::driver::{Integration, StepPolicy};
 use crate::error::Error;
 use crate::events::{Ticks, begin_at};
@@ -138,11 +138,16 @@ fn settled<'a>(system: &mut dyn System, settings: &'a Settings) -> Cow<'a, Setti
         held: &held,
         start_conditions: settings.start_conditions.clone(),
     };
-    let phase = consistent(system, &start).and_then(|y| settle(system, (settings.from, &y, &[]), Change::Start));
+    let phase = consistent(system, &start).and_then(|y| settle(system, &beginning(settings.from, &y), Change::Start));
     match phase {
         Ok(phase) => Cow::Owned(Settings { phase, ..settings.clone() }),
         Err(_) => Cow::Borrowed(settings),
     }
+}
+
+/// Where a motion begins.
+fn beginning(t: f64, y: &[f64]) -> Moment<'_> {
+    Moment { t, y, scales: &[], step: 0.0 }
 }
 
 /// A run that has begun, or could not.
@@ -192,7 +197,7 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
     };
     let mut met = consistent(system, &start);
     if !system.contacts().all.is_empty() {
-        met = met.and_then(|y| settle(system, (settings.from, &y, &[]), Change::Start).map(|_| y));
+        met = met.and_then(|y| settle(system, &beginning(settings.from, &y), Change::Start).map(|_| y));
     }
     let alone = settings.guessed || !settings.watch;
     let elsewhere = met.as_ref().ok().filter(|_| !alone).and_then(|y| other_branch(system, &start, y));

@@ -12,10 +12,26 @@ pub(crate) use strike::{Strike, strike};
 use crate::mechanism::dense::{constraint_matrix, constraint_triples, sizes_alike};
 use crate::mechanism::{At, ContactMode, System};
 
-/// A gap below this part of the sum of its terms, or of what the sizes of coordinates make of it, is closed: instants at which contacts close are located to some 1e-13 of them.
+/// A gap below this part of the sum of its terms, or of what the sizes of coordinates make of it, is closed: instants at which contacts
+/// close are located to some 1e-13 of them.
 const CLOSED: f64 = 1e-11;
 /// A rate below this part of the sum of its terms is zero.
 const STILL: f64 = 1e-12;
+/// A rate that would vanish within this part of a step vanishes now: instants at which sliding stops are located to some 1e-12 of one.
+const NOW: f64 = 1e-10;
+
+/// An instant at which contacts change.
+#[derive(Clone, Copy)]
+pub(crate) struct Moment<'a> {
+    /// Its time, s.
+    pub t: f64,
+    /// The state [q; q'].
+    pub y: &'a [f64],
+    /// The largest Σ |terms| that the rows of the constraints have had; none where the motion begins.
+    pub scales: &'a [f64],
+    /// The length of a step here, s; 0 where the motion begins.
+    pub step: f64,
+}
 
 /// All contacts at a state.
 struct Situation {
@@ -32,8 +48,7 @@ struct Situation {
 }
 
 impl Situation {
-    /// At a state; `scales` are the largest Σ |terms| that the rows have had, none where the motion begins.
-    fn new(system: &dyn System, (t, y): (f64, &[f64]), scales: &[f64]) -> Situation {
+    fn new(system: &dyn System, &Moment { t, y, scales, step }: &Moment<'_>) -> Situation {
         let n = system.len();
         let at = At::packed(t, y, n);
         let contacts = &system.contacts().all;
@@ -46,8 +61,19 @@ impl Situation {
             let driven = triples[row][1] - (0..n).map(|i| matrix[(row, i)] * at.v[i]).sum::<f64>();
             moving + driven.abs()
         };
-        let still =
-            |row: Option<u32>| row.is_none_or(|row| triples[row as usize][1].abs() <= STILL * terms(row as usize));
+        let (mut a, mut lambda) = (vec![0.0; n], vec![0.0; triples.len()]);
+        let solved = system.accelerations_and_multipliers(at, &mut a, &mut lambda);
+        // How much a rate changes in a step, its terms taken by themselves.
+        let change = |row: usize| match solved {
+            Ok(()) => step * (0..n).map(|i| (matrix[(row, i)] * a[i]).abs()).sum::<f64>(),
+            Err(_) => 0.0,
+        };
+        let still = |row: Option<u32>| {
+            row.is_none_or(|row| {
+                let row = row as usize;
+                triples[row][1].abs() <= (STILL * terms(row)).max(NOW * change(row))
+            })
+        };
         let rate = |row: Option<u32>| row.map_or(0.0, |row| triples[row as usize][1]);
         let gap = |row: Option<u32>| row.map_or(0.0, |row| triples[row as usize][0]);
         // What the sizes of coordinates make of a gap whose terms are small here.

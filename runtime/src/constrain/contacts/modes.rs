@@ -4,8 +4,8 @@
 //! it opens, |T| ≤ L₀ where it sticks, and s' in the direction in which it begins to slip.  The linear complementarity problem that this is
 //! (Glocker, Set-Valued Force Laws, 2001, ch. 5–6) is solved by trying combinations, those first that change least.
 
-use super::Situation;
 use super::strike::Strike;
+use super::{Moment, Situation};
 use crate::cause::Cause;
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{constraint_matrix, mass_matrix};
@@ -60,18 +60,14 @@ enum Kind {
     Slides,
 }
 
-/// The phase in which the contacts agree with the forces at a state; it is in force afterwards.  `scales` are the largest Σ |terms| that the
-/// rows have had, none where the motion begins.
+/// The phase in which the contacts agree with the forces at a state; it is in force afterwards.
 ///
 /// # Errors
 /// No combination agrees, or several with different motions do, of which none is the present one.
-pub(crate) fn settle(
-    system: &mut dyn System,
-    (t, y, scales): (f64, &[f64], &[f64]),
-    change: Change<'_>,
-) -> Result<usize, Box<Cause>> {
+pub(crate) fn settle(system: &mut dyn System, moment: &Moment<'_>, change: Change<'_>) -> Result<usize, Box<Cause>> {
     let before = system.phase();
-    let situation = Situation::new(system, (t, y), scales);
+    let situation = Situation::new(system, moment);
+    let (t, y) = (moment.t, moment.y);
     let known: Vec<Known> =
         (0..situation.modes.len()).map(|k| known(system, &situation, (k, change), (t, y))).collect();
     let mut trials = Vec::new();
@@ -82,10 +78,11 @@ pub(crate) fn settle(
     }
     system.set_phase(before);
     let forced = match change {
-        Change::Event { contact, what: ContactEvent::Lifts | ContactEvent::Slips } => Some(contact),
+        Change::Event { contact, what: ContactEvent::Lifts } => Some((contact, Kind::Opens)),
+        Change::Event { contact, what: ContactEvent::Slips } => Some((contact, Kind::Slides)),
         _ => None,
     };
-    let agree: Vec<&Trial> = trials.iter().filter(|trial| agrees(trial, &trials, forced)).collect();
+    let agree: Vec<&Trial> = trials.iter().filter(|trial| agrees(trial, &trials, (&situation.modes, forced))).collect();
     let scale = trials.iter().flat_map(|trial| &trial.accelerations).fold(0.0_f64, |most, a| most.max(a.abs()));
     let alike = |one: &Trial, other: &Trial| {
         one.accelerations.iter().zip(&other.accelerations).all(|(a, b)| (a - b).abs() <= ALIKE * scale)
@@ -152,7 +149,6 @@ fn known(system: &mut dyn System, situation: &Situation, (k, change): (usize, Ch
                 // The other direction only shows what the friction does to the sliding.
                 options.extend([gives_way, opposite(gives_way)]);
             }
-            Some(ContactEvent::Stops) => options.extend([ContactMode::Sticks, opposite(present)]),
             _ if rolls => {
                 options.extend([ContactMode::Sticks, ContactMode::SlipsForwards, ContactMode::SlipsBackwards]);
             }
@@ -287,7 +283,7 @@ fn margins(system: &dyn System, at: At<'_>) -> Vec<f64> {
 }
 
 /// Whether forces and accelerations under a combination agree with it.  A contact that reached a limit leaves it, by however little.
-fn agrees(trial: &Trial, all: &[Trial], forced: Option<usize>) -> bool {
+fn agrees(trial: &Trial, all: &[Trial], (present, forced): (&[ContactMode], Option<(usize, Kind)>)) -> bool {
     trial.signs.iter().enumerate().all(|(k, signs)| {
         signs.iter().all(|sign| {
             let of_kind = |other: &Trial| {
@@ -296,13 +292,15 @@ fn agrees(trial: &Trial, all: &[Trial], forced: Option<usize>) -> bool {
             };
             let scale = all.iter().map(of_kind).fold(0.0, f64::max);
             let rounding = NOTHING * scale;
+            let leaves = forced == Some((k, sign.kind));
+            let goes_on = trial.modes[k] == present[k];
             match sign.kind {
                 Kind::Holds => sign.value >= -NOTHING,
                 // Its force falls through 0: it opens, by however little.
-                Kind::Opens if forced == Some(k) => true,
+                Kind::Opens if leaves => true,
                 Kind::Pressed | Kind::Opens => sign.value >= -rounding,
-                // What begins to slide is moved; at its limit it may be moved by nothing yet.
-                Kind::Slides if forced == Some(k) => sign.value >= -rounding,
+                // What begins to slide is moved; at its limit, or where others hold it, it may be moved by nothing yet.
+                Kind::Slides if leaves || goes_on => sign.value >= -rounding,
                 Kind::Slides => sign.value > rounding,
             }
         })

@@ -6,7 +6,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::Situation;
+use super::{Moment, Situation};
 use crate::cause::Cause;
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{constraint_matrix, constraint_triples, mass_matrix, multiplier_effects};
@@ -79,12 +79,9 @@ struct Collision {
 ///
 /// # Errors
 /// No outcome, several, or an outcome that the order of impacts decides where the file states no law; energy that grows.
-pub(crate) fn strike(
-    system: &mut dyn System,
-    (t, y, scales): (f64, &[f64], &[f64]),
-    slow: &[f64],
-) -> Result<Option<Strike>, Box<Cause>> {
-    let situation = Situation::new(system, (t, y), scales);
+pub(crate) fn strike(system: &mut dyn System, moment: &Moment<'_>, slow: &[f64]) -> Result<Option<Strike>, Box<Cause>> {
+    let situation = Situation::new(system, moment);
+    let (t, y) = (moment.t, moment.y);
     let collision = Collision::new(system, (t, y), &situation, slow)?;
     if !collision.approaches(&collision.before) && !collision.hops_are_lost() {
         return Ok(None);

@@ -23,6 +23,10 @@ use crate::model::resolver::Resolver;
 /// All combinations of modes are phases of their own: four contacts with friction have so many.
 const MOST_PHASES: usize = 256;
 
+/// A force that is at its limit but for this part of it sticks, some thirty roundings: blocks on each other that are equally rough reach their
+/// limits together, and rounding of forces must not decide which slips.
+const AT_THE_LIMIT: f64 = 32.0 * f64::EPSILON;
+
 const POINT: Rules = Rules::joint("a point of a contact").si(Dimension::LENGTH);
 const NORMAL: Rules = Rules::joint("a contact's normal");
 const COEFFICIENT: Rules = Rules::velocity("a coefficient of friction").si(Dimension::ONE);
@@ -396,7 +400,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// L₀² − T².
+    /// L₀² − T², with a limit that is larger by [`AT_THE_LIMIT`].
     fn margin(&mut self, contact: &ContactText) -> Option<Id> {
         let greatest = match &contact.kind {
             Kind::Friction(text) => self.limits(text, &contact.locals)?[1],
@@ -410,6 +414,8 @@ impl Resolver<'_> {
         let held = self.multiplier_of(contact.tangent?);
         let graph = &mut self.builder.graph;
         let (greatest, held) = (graph.mul(greatest, greatest), graph.mul(held, held));
+        let beyond = graph.float(1.0 + 2.0 * AT_THE_LIMIT);
+        let greatest = graph.mul(beyond, greatest);
         Some(graph.sub(greatest, held))
     }
 
