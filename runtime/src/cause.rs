@@ -125,6 +125,13 @@ pub enum Cause {
         /// The combinations that agree.
         found: Vec<String>,
     },
+    /// The sides of a contact pass through each other.
+    Penetrates {
+        /// The contact.
+        contact: String,
+        /// Its gap, in its unit.
+        gap: f64,
+    },
     /// Contacts strike at once, and what comes of it depends on the order.
     SimultaneousImpacts {
         /// The contacts.
@@ -278,6 +285,7 @@ impl Cause {
             Cause::ConstraintLost { .. } => "constraint lost",
             Cause::PainleveInconsistent { .. } => "inconsistent friction",
             Cause::UndecidedContacts { .. } => "undecided contacts",
+            Cause::Penetrates { .. } => "penetrates",
             Cause::SimultaneousImpacts { .. } => "simultaneous impacts",
             Cause::EndlessImpacts { .. } => "endless impacts",
             Cause::ImpactGainsEnergy { .. } => "impact gains energy",
@@ -392,6 +400,11 @@ impl fmt::Display for Cause {
                  present one (Painlevé); let the contact be less rough, or start with one of them as `phase`",
                 count = found.len(),
                 list = found.join("; ")
+            ),
+            Cause::Penetrates { contact, gap } => write!(
+                f,
+                "the sides of `{contact}` pass through each other: its gap is {gap:.3e}; let it start open or closed, or run at a smaller \
+                 tolerance"
             ),
             Cause::SimultaneousImpacts { contacts, sequential, together } => write!(
                 f,

@@ -7,6 +7,10 @@ use crate::constrain::{Change, Moment, Strike, VelocityJump, settle, strike};
 use crate::mechanism::{ContactEvent, System};
 use crate::run::Recorder;
 
+/// Beside the largest gap that there was hops are lost that are lower by the square of this: so low that times at which geometric series of hops
+/// end are known before.
+const LOWER: f64 = 0.25;
+
 impl Integration {
     /// Decides what all contacts do where an event of one of them happened.
     pub(super) fn change_contact(
@@ -42,10 +46,34 @@ impl Integration {
         Ok(Done { acts: true, strikes: entered || struck.is_some() })
     }
 
+    /// Refuses a motion in which the sides of a contact pass through each other: its event was not seen.
+    pub(super) fn look_at_contacts(&mut self, system: &dyn System) -> Result<(), Box<Cause>> {
+        if system.contacts().all.is_empty() {
+            return Ok(());
+        }
+        let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
+        let Some(projection) = &mut self.projection else { return Ok(()) };
+        projection.observe(system, now, &y);
+        for contact in system.contacts().all.iter() {
+            let depth = contact.normal.and_then(|row| projection.misses(row as usize)).filter(|gap| *gap < 0.0);
+            if let Some(gap) = depth {
+                return Err(Cause::Penetrates { contact: contact.name.to_string(), gap }.into());
+            }
+        }
+        Ok(())
+    }
+
     /// A contact's coefficient of restitution.
     fn restitution(&self, system: &dyn System, contact: usize) -> f64 {
         let place = system.contacts().all[contact].restitution;
         place.and_then(|place| system.restitutions().get(place as usize).copied()).unwrap_or(0.0)
+    }
+
+    /// Of each contact the rate of approach after which it rests: its hop would be lost in rounding.
+    fn slow(&self, system: &dyn System, scales: &[f64]) -> Vec<f64> {
+        let hops = self.low_hops(system, scales);
+        let slow = |row: u32| hops.get(row as usize).filter(|hop| hop.back < 0.0).map_or(0.0, |hop| LOWER * hop.rate);
+        system.contacts().all.iter().map(|contact| contact.normal.map_or(0.0, slow)).collect()
     }
 
     /// The largest Σ |terms| that the constraints' rows have had, here included.
@@ -68,15 +96,9 @@ impl Integration {
         // What loses no speed goes on for ever.
         let end = if e > 0.0 && e < 1.0 { self.impacts.note(event, now) } else { None };
         let (y, scales) = (self.stepper.start().y.to_vec(), self.scales(system));
-        let hops = self.low_hops(system, &scales);
-        let slow = |row: u32| hops.get(row as usize).filter(|hop| hop.back < 0.0).map_or(0.0, |hop| hop.rate);
-        let contacts = system.contacts().all.iter();
-        let mut slow: Vec<f64> = contacts.map(|contact| contact.normal.map_or(0.0, slow)).collect();
+        let mut slow = self.slow(system, &scales);
         if end.is_some() {
             slow[contact] = f64::INFINITY;
-        } else if self.impacts.accumulate(event) {
-            // When its hops end will be known better than that they are low.
-            slow[contact] = 0.0;
         }
         let moment = Moment { t: now, y: &y, scales: &scales, step: self.h };
         let Some(strike) = strike(system, &moment, &slow)? else { return Ok(None) };
@@ -90,6 +112,9 @@ impl Integration {
             if left > 0.0 {
                 recorder.accumulated(system, event, end);
             }
+        }
+        if !strike.is_plastic() {
+            recorder.rebounds();
         }
         let jump = VelocityJump { jump: strike.jump.clone(), rows: strike.rows.clone() };
         self.take(system, jump, recorder);

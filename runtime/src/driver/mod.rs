@@ -416,6 +416,7 @@ impl Integration {
                     self.look_for_stiffness(step, recorder);
                     let Outcome::Kept(stop_reason) = outcome? else { continue };
                     self.look_at_constraints(system, recorder)?;
+                    self.look_at_contacts(system)?;
                     self.choose_gain(system);
                     return Ok(stop_reason);
                 }

@@ -78,11 +78,6 @@ impl Impacts {
         self.of[event].note(t)
     }
 
-    /// Whether those of an event follow each other faster and faster.
-    pub fn accumulate(&self, event: usize) -> bool {
-        self.of.get(event).is_some_and(|zeno| zeno.estimate.is_some())
-    }
-
     /// Begins anew with those of an event.
     pub fn forget(&mut self, event: usize) {
         self.of.get_mut(event).into_iter().for_each(|zeno| *zeno = ZenoDetector::default());

@@ -49,6 +49,11 @@ pub enum NoSlopes {
         /// s.
         t: f64,
     },
+    /// Contacts rebound or slip in an impact, whose slopes are not known yet.
+    Rebounds {
+        /// s.
+        t: f64,
+    },
     /// An input turns sharply or jumps, and the speeds with it.
     Kick {
         /// s.
@@ -92,6 +97,11 @@ impl fmt::Display for NoSlopes {
                 write!(f, "the motion rests from t = {t} s where a force jumps (`{switch}` = 0); write rest as a phase")
             }
             NoSlopes::ImpactsAccumulate { t } => write!(f, "impacts accumulate at t = {t} s"),
+            NoSlopes::Rebounds { t } => write!(
+                f,
+                "contacts rebound or slip in an impact at t = {t} s, and the slopes of that are not known yet; two runs with --set tell a \
+                 difference"
+            ),
             NoSlopes::Kick { t } => {
                 write!(f, "an input turns sharply or jumps at t = {t} s, and the speeds jump with it")
             }

@@ -15,6 +15,8 @@ pub(crate) struct Junction {
     pub jumps: Vec<SpeedJump>,
     /// Whether impacts accumulate there, so that the motion goes on at their end.
     pub accumulates: bool,
+    /// Whether contacts rebound or slip in an impact, so that the jumps of the speeds are no projections.
+    pub rebounds: bool,
 }
 
 /// A state on one side of an instant, with what is in force there.
@@ -61,7 +63,7 @@ impl Junctions {
             actions.iter().any(|action| matches!(action, Action::Phase(_) | Action::Impact { .. } | Action::Contact(_)))
         };
         let (after, events) = (before.clone(), events.filter(acts).collect());
-        self.left = Some(Junction { before, after, events, jumps: Vec::new(), accumulates: false });
+        self.left = Some(Junction { before, after, events, jumps: Vec::new(), accumulates: false, rebounds: false });
     }
 
     /// Takes note of a jump of the speeds.
@@ -75,6 +77,13 @@ impl Junctions {
     pub fn accumulates(&mut self) {
         if let Some(left) = &mut self.left {
             left.accumulates = true;
+        }
+    }
+
+    /// Takes note of contacts that rebound or slip in an impact.
+    pub fn rebounds(&mut self) {
+        if let Some(left) = &mut self.left {
+            left.rebounds = true;
         }
     }
 

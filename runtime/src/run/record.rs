@@ -401,6 +401,13 @@ impl Recorder {
         self.run.phases.push((t, phase));
     }
 
+    /// Notes that contacts rebound or slip in an impact.
+    pub fn rebounds(&mut self) {
+        if let Some(junctions) = &mut self.junctions {
+            junctions.rebounds();
+        }
+    }
+
     /// Notes that the impacts of an event accumulate, and when.
     pub fn accumulated(&mut self, system: &dyn System, event: usize, t: f64) {
         let event = system.description().events[event].name.to_string();

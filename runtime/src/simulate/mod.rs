@@ -124,7 +124,7 @@ fn no_series(system: &dyn System, settings: &Settings) -> Option<NoSeries> {
 
 /// Settings with the phase in which contacts begin; as they are where that is not to be decided, or cannot be: why will be told when the run
 /// begins.
-fn settled<'a>(system: &mut dyn System, settings: &'a Settings) -> Cow<'a, Settings> {
+pub(crate) fn settled<'a>(system: &mut dyn System, settings: &'a Settings) -> Cow<'a, Settings> {
     if system.contacts().all.is_empty() || settings.check(system.description()).is_err() {
         return Cow::Borrowed(settings);
     }

@@ -45,6 +45,9 @@ pub(super) fn follow(
     if let Some(junction) = run.junctions.iter().find(|junction| junction.accumulates) {
         return Err(NoSlopes::ImpactsAccumulate { t: junction.before.t });
     }
+    if let Some(junction) = run.junctions.iter().find(|junction| junction.rebounds) {
+        return Err(NoSlopes::Rebounds { t: junction.before.t });
+    }
     let junctions: Vec<Option<&Junction>> = run.junctions.iter().map(Some).chain([None]).collect();
     for junction in junctions {
         let last = way.times.last().copied().unwrap_or(first);

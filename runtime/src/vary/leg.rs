@@ -7,7 +7,7 @@ use super::{NoSlopes, constraints};
 use crate::error::Error;
 use crate::mechanism::{At, System};
 use crate::run::{Run, Side};
-use crate::simulate::{Settings, simulate};
+use crate::simulate::{Settings, settled, simulate};
 
 /// Newton steps by which a guess is brought to the constraints.
 const TO_CONSTRAINTS: usize = 4;
@@ -40,6 +40,7 @@ pub(crate) fn leg(system: &mut dyn System, settings: &Settings, parameters: &[us
         t: settings.from,
         cause: fault.cause(system.description()),
     };
+    let settings = &*settled(system, settings);
     system.set_phase(settings.phase);
     let (guess, projection) = on_constraints(system, settings).map_err(|f| fault(system, f))?;
     let settings = &Settings {

@@ -9,7 +9,7 @@ use super::{NoSlopes, Unknown};
 use crate::error::Error;
 use crate::mechanism::{Along, At, Enforcement, Function, Stabilisation, System};
 use crate::run::{Names, Run, Side};
-use crate::simulate::{Origin, Settings, Simulation, simulate};
+use crate::simulate::{Origin, Settings, Simulation, settled, simulate};
 
 /// A run, and how its numbers change with its start and with parameters.
 #[derive(Clone, Debug)]
@@ -189,6 +189,7 @@ pub(crate) fn varied(
 ) -> Result<Varied, Error> {
     let settings = &Settings { junctions: true, apart: false, ..settings.clone() };
     may_be_varied(system, settings)?;
+    let settings = &*settled(system, settings);
     let run = simulate(system, settings)?;
     let n = system.len();
     let y = run.rows[..2 * n].to_vec();

@@ -335,7 +335,8 @@ fn dependent_rows(
     let without = states.iter().filter(|state| of_own[state.phase].is_none());
     let decide: Vec<State> = own.iter().chain(without).cloned().collect();
     for dependent::Redundant { phase, row, sharing } in dependent::redundant(constraints, &decide, &ranks) {
-        if contradicting.iter().any(|other| other.0 == phase) {
+        // Rows of contacts depend on each other where more of them stick than freedoms are left, which nobody can write otherwise.
+        if contradicting.iter().any(|other| other.0 == phase) || model.contact_rows().contains(&row) {
             continue;
         }
         let names: Vec<String> = sharing.iter().map(|row| format!("`{}`", model.row_name(*row))).collect();

@@ -30,6 +30,7 @@ use crate::linear::{
     has_dependent_coordinates, linearise, linearise_constrained,
 };
 use crate::mechanism::{System, Target};
+use crate::simulate::{Settings, settled};
 use clap::ArgMatches;
 use dalembert_symbolic::model::Sets;
 use damping::Damping;
@@ -195,7 +196,8 @@ pub(super) fn at_rest(system: &dyn System, scene: usize) -> Result<(Vec<Mode>, V
 /// Puts the phase of `--phase` in force, or that in which the scene starts.
 fn enter_phase(loaded: &mut Loaded, scene: usize, options: &ArgMatches) -> Result<(), Problem> {
     let Some(name) = options.get_one::<String>("phase") else {
-        let phase = loaded.system.scene(scene).phase;
+        let settings = Settings::new(&loaded.system.scene(scene));
+        let phase = settled(&mut *loaded.system, &settings).phase;
         loaded.system.set_phase(phase);
         return Ok(());
     };

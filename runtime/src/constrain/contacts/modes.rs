@@ -63,11 +63,17 @@ enum Kind {
 /// The phase in which the contacts agree with the forces at a state; it is in force afterwards.
 ///
 /// # Errors
-/// No combination agrees, or several with different motions do, of which none is the present one.
+/// No combination agrees, or several with different motions do, of which none is the present one; a motion that begins with a negative gap.
 pub(crate) fn settle(system: &mut dyn System, moment: &Moment<'_>, change: Change<'_>) -> Result<usize, Box<Cause>> {
     let before = system.phase();
     let situation = Situation::new(system, moment);
     let (t, y) = (moment.t, moment.y);
+    if matches!(change, Change::Start)
+        && let Some(k) = (0..situation.gaps.len()).find(|k| situation.gaps[*k][0] < 0.0 && !situation.closed[*k])
+    {
+        let contact = system.contacts().all[k].name.to_string();
+        return Err(Cause::Penetrates { contact, gap: situation.gaps[k][0] }.into());
+    }
     let known: Vec<Known> =
         (0..situation.modes.len()).map(|k| known(system, &situation, (k, change), (t, y))).collect();
     let mut trials = Vec::new();

@@ -27,6 +27,7 @@ pub(crate) struct Strike {
     /// Rows with their impulses.
     pub rows: Vec<(usize, f64)>,
     after: Vec<Option<After>>,
+    plastic: bool,
 }
 
 /// What is known of a contact that took part.
@@ -39,6 +40,11 @@ pub(super) struct After {
 }
 
 impl Strike {
+    /// Whether all that pushes keeps its speed 0 afterwards: the jump is the projection of the speeds onto that.
+    pub fn is_plastic(&self) -> bool {
+        self.plastic
+    }
+
     /// What is known of a contact that took part.
     pub(super) fn after(&self, contact: usize) -> Option<After> {
         self.after[contact]
@@ -335,6 +341,8 @@ impl Collision {
         }
         let small = NOTHING * self.scale(&after);
         let mut known = vec![None; system.contacts().all.len()];
+        let keeps = |row: usize| impulses[row] == 0.0 || after[row].abs() <= small;
+        let plastic = (0..self.rows.len()).all(keeps);
         for side in &self.sides {
             let rests = after[side.normal].abs() <= small.max(side.slow);
             let rolls = side.tangent.is_some_and(|tangent| after[tangent].abs() <= small);
@@ -342,7 +350,7 @@ impl Collision {
         }
         let jump = (&self.response * impulses).iter().copied().collect();
         let rows = self.rows.iter().copied().zip(impulses.iter().copied()).filter(|(_, impulse)| *impulse != 0.0);
-        Ok(Strike { jump, rows: rows.collect(), after: known })
+        Ok(Strike { jump, rows: rows.collect(), after: known, plastic })
     }
 }
 

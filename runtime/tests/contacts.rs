@@ -1,0 +1,288 @@
+//! Friction that sticks and contacts that open by themselves: against closed forms, other coordinates, and phases written by hand.
+#![cfg(all(feature = "cli", feature = "modal"))]
+
+mod program;
+
+use dalembert::mechanism::{ContactMode, Dynamic, System};
+use dalembert::{Cause, Error, Simulate};
+use program::{File, json, near, reference, run};
+use serde_json::Value;
+
+dalembert::model!("../models/two_blocks.yaml");
+dalembert::model!("../models/rocking_block.yaml");
+dalembert::model!("../models/balls.yaml");
+
+const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+
+fn model(name: &str) -> String {
+    format!("{ROOT}/models/{name}.yaml")
+}
+
+fn belt() -> String {
+    format!("{ROOT}/tests/states/belt.yaml")
+}
+
+fn times(found: &Value) -> Vec<f64> {
+    let events = found["events"].as_array().expect("events");
+    events.iter().map(|event| event["t"].as_f64().expect("a time")).collect()
+}
+
+fn names(found: &Value) -> Vec<&str> {
+    let events = found["events"].as_array().expect("events");
+    events.iter().map(|event| event["name"].as_str().expect("a name")).collect()
+}
+
+fn numbers(list: &Value) -> Vec<f64> {
+    list.as_array().expect("a list").iter().map(|x| x.as_f64().expect("a number")).collect()
+}
+
+#[track_caller]
+fn alike(found: &[f64], expected: &[f64], within: f64) {
+    assert!(found.len() >= expected.len(), "{found:?}");
+    for (found, expected) in found.iter().zip(expected) {
+        assert!((found - expected).abs() <= within, "{found} is not {expected}");
+    }
+}
+
+#[test]
+fn a_block_on_a_belt_sticks_and_slips() {
+    let expected = reference("belt");
+    for (method, within) in [("auto", 1e-12), ("dopri5", 1e-9), ("radau5", 1e-9), ("taylor", 1e-12)] {
+        let found = json(&["simulate", &belt(), "--method", method]);
+        alike(&times(&found), &numbers(&expected["times"]), within);
+        near(&found["q"]["x"], expected["x(2)"].as_f64().expect("a number"), within);
+        assert_eq!(names(&found)[..2], ["rub slips", "rub stops"], "{method}");
+        assert_eq!(found["warnings"], serde_json::json!([]), "{method}");
+    }
+}
+
+#[test]
+fn its_limit_cycle_is_found_and_is_reached_at_once() {
+    let found = json(&["orbit", &belt()]);
+    near(&found["period"], 0.671_238_898_038_469, 1e-11);
+    // What sticks forgets where it came from.
+    assert!(
+        found["multipliers"].as_array().is_some_and(|list| list.iter().all(|m| m["modulus"] == 0.0 || m[0] == 0.0))
+            || found["multipliers"].to_string().contains("0.0")
+    );
+}
+
+#[test]
+fn slopes_go_through_sticking_and_slipping() {
+    let at = |k: &str| {
+        let found = json(&["simulate", &belt(), "--set", &format!("k={k}")]);
+        found["q"]["x"].as_f64().expect("a number")
+    };
+    let text = run(&["simulate", &belt(), "--slopes", "k"]).expect("slopes");
+    let line = text.lines().find(|line| line.contains("d x/d k")).expect("a slope");
+    let slope: f64 = line.split('=').nth(1).and_then(|x| x.trim().parse().ok()).expect("a number");
+    let difference = (at("100.001") - at("99.999")) / 0.002;
+    assert!((slope - difference).abs() < 1e-8, "{slope} {difference}");
+}
+
+#[test]
+fn two_frictions_turn_round_by_themselves() {
+    let expected = reference("two_blocks");
+    let found = json(&["simulate", &model("two_blocks")]);
+    alike(&times(&found), &numbers(&expected["times"]), 1e-11);
+    assert_eq!(times(&found).len(), 17);
+    for name in ["x", "y"] {
+        near(&found["q"][name], expected[name].as_f64().expect("a number"), 1e-11);
+        near(&found["v"][name], expected[format!("{name}'")].as_f64().expect("a number"), 1e-11);
+    }
+    // The compiled code does the same.
+    let compiled = TwoBlocks::default().simulate().run().expect("a run");
+    assert!((compiled.last()["x"] - expected["x"].as_f64().expect("a number")).abs() < 1e-11);
+}
+
+#[test]
+fn a_run_that_is_cut_in_two_is_the_run_in_one_piece() {
+    let whole = json(&["simulate", &model("two_blocks")]);
+    let state = File::new("cut", "");
+    for until in ["0.5", "0.7", "1.2"] {
+        run(&["simulate", &model("two_blocks"), "--until", until, "--save", &state.0]).expect("a run");
+        let rest = json(&["simulate", &model("two_blocks"), "--state", &state.0, "--until", "3"]);
+        near(&rest["q"]["x"], whole["q"]["x"].as_f64().expect("a number"), 1e-11);
+        assert_eq!(times(&rest).len(), times(&whole).iter().filter(|t| **t > until.parse().expect("a time")).count());
+    }
+}
+
+#[test]
+fn phases_by_hand_give_the_same() {
+    // The library's block on a belt has its phases in the file.
+    let by_hand = json(&["simulate", &model("stick_slip")]);
+    let file = File::new(
+        "stick-slip",
+        r#"
+name: Same
+parameters: {m: 1 kg, k: 1 N/m, g: 10 m/s^2, mu_s: 0.4 1, mu_k: 0.3 1, belt: 0.1 m/s}
+coordinates: {x: m, y: m}
+bodies: {block: {mass: m, position: "[x, y]"}}
+gravity: [0, -g]
+springs: {spring: {stretch: x, stiffness: k, along: ground.x, on: block}}
+constraints: {floor: y}
+friction: {grip: {rate: x' - belt, on: block, along: "[1, 0]", limit: mu_k*reaction(floor), static: mu_s*reaction(floor)}}
+scene: {start: {x: 2 m, y: 0, x': belt}, until: 60, tolerance: 1e-12}
+"#,
+    );
+    let found = json(&["simulate", &file.0]);
+    let own = |found: &Value| times(found).into_iter().take(6).collect::<Vec<f64>>();
+    alike(&own(&found), &own(&by_hand), 1e-10);
+    near(&found["q"]["x"], by_hand["q"]["x"].as_f64().expect("a number"), 1e-9);
+}
+
+#[test]
+fn a_block_rocks_from_corner_to_corner() {
+    let expected = reference("rocking_block");
+    let found = json(&["simulate", &model("rocking_block")]);
+    alike(&times(&found), &numbers(&expected["times"]), 1e-10);
+    assert!(names(&found).iter().all(|name| name.ends_with("lands")), "{:?}", names(&found));
+    // With restitution its corners hop, and it comes to rest all the same.
+    let hops = json(&["simulate", &model("rocking_block"), "--set", "e=0.3", "--no-digits"]);
+    near(&hops["q"]["y"], 0.5, 1e-3);
+    let compiled = RockingBlock::default().simulate().run().expect("a run");
+    assert!((compiled.events[0].state.t - numbers(&expected["times"])[0]).abs() < 1e-10);
+}
+
+#[test]
+fn slopes_go_through_plastic_impacts_and_no_others() {
+    let at = |h: &str| {
+        let found = json(&["simulate", &model("rocking_block"), "--until", "1", "--set", &format!("h={h}")]);
+        found["q"]["th"].as_f64().expect("a number")
+    };
+    let text = run(&["simulate", &model("rocking_block"), "--until", "1", "--slopes", "h"]).expect("slopes");
+    let line = text.lines().find(|line| line.contains("d th/d h")).expect("a slope");
+    let slope: f64 = line.split('=').nth(1).and_then(|x| x.trim().parse().ok()).expect("a number");
+    assert!((slope - (at("0.50001") - at("0.49999")) / 2e-5).abs() < 1e-7, "{slope}");
+    let hops = run(&["simulate", &model("rocking_block"), "--until", "0.37", "--set", "e=0.3", "--slopes", "h"]);
+    assert!(hops.as_ref().is_err_and(|text| text.contains("rebound")), "{hops:?}");
+}
+
+#[test]
+fn balls_strike_by_the_law_of_the_file() {
+    let text = std::fs::read_to_string(model("balls")).expect("the model");
+    let speed = (2.0_f64 * 9.81).sqrt();
+    let after = |law: &str, e: &str| {
+        let file = File::new("balls", &text.replace("impacts: sequential", law));
+        let found = json(&["simulate", &file.0, "--until", "0.4516", "--set", &format!("e={e}"), "--no-digits"]);
+        let first = &found["impulses"][0]["v"];
+        ["a", "b", "c"].map(|name| first[name].as_f64().expect("a jump") / speed - 1.0)
+    };
+    let expected = reference("balls");
+    alike(&after("impacts: sequential", "1"), &numbers(&expected["sequential"]), 1e-12);
+    alike(&after("impacts: together", "1"), &numbers(&expected["newton_together"]), 1e-12);
+    // What is compressed together flies off together.
+    alike(&after("impacts: poisson", "1"), &[1.0, 1.0, 1.0], 1e-12);
+    alike(&after("impacts: sequential", "0.5"), &[1.0 / 32.0, 7.0 / 128.0, 115.0 / 128.0], 1e-12);
+    // Without a law both outcomes are told, and neither is taken.
+    let file = File::new("no-law", &text.replace("impacts: sequential", ""));
+    let refused = run(&["simulate", &file.0]).expect_err("no law");
+    for part in ["`floor`, `one`, `two` strike at once", "15.5031", "4.42945", "impacts: sequential"] {
+        assert!(refused.contains(part), "{refused}");
+    }
+}
+
+#[test]
+fn a_ball_hops_to_rest() {
+    let ball = File::new(
+        "ball",
+        "name: Ball\nparameters: {m: 1 kg, g: 9.81 m/s^2, e: 0.5}\ncoordinates: {y: m}\n\
+         bodies: {ball: {mass: m, position: \"[0, y]\"}}\ngravity: [0, -g]\n\
+         contacts: {floor: {gap: y, on: ball, normal: \"[0, 1]\", restitution: e}}\n\
+         scene: {start: {y: 1}, until: 3}\n",
+    );
+    let found = json(&["simulate", &ball.0]);
+    near(&found["q"]["y"], 0.0, 1e-12);
+    let warning = found["warnings"][0].as_str().expect("a warning");
+    assert!(warning.contains("accumulate at t = 1.35457 s"), "{warning}");
+    let deep = run(&["simulate", &ball.0, "--start", "y=-0.5"]).expect_err("it is in the floor");
+    assert!(deep.contains("pass through each other"), "{deep}");
+}
+
+#[test]
+fn a_disc_that_slides_begins_to_roll() {
+    let disc = File::new(
+        "disc",
+        "name: Bowling\nparameters: {m: 1 kg, R: 0.1 m, g: 9.81 m/s^2, mu: 0.2, v: 3 m/s}\n\
+         coordinates: {x: m, y: m, th: rad}\n\
+         bodies: {disc: {mass: m, inertia: m*R^2/2, angle: th, position: \"[x, y]\"}}\n\
+         points: {touch: \"disc - [0, R]\"}\ngravity: [0, -g]\n\
+         contacts: {lane: {gap: touch.y, on: disc, at: touch, normal: \"[0, 1]\", friction: mu}}\n\
+         balances: {equations: [{force: {of: [disc]}}, {moment: {about: disc, of: [disc]}}]}\n\
+         outputs: {pressed: reaction(lane), rubbed: reaction(lane.friction)}\n\
+         scene: {start: {y: R, x': v}, until: 2, tolerance: 1e-11}\n",
+    );
+    let found = json(&["simulate", &disc.0]);
+    // v falls by mu g until v = R omega: two thirds of v, at v/(3 mu g).
+    alike(&times(&found), &[3.0 / (3.0 * 0.2 * 9.81)], 1e-12);
+    near(&found["v"]["x"], 2.0, 1e-12);
+    near(&found["v"]["th"], -20.0, 1e-10);
+    near(&found["outputs"]["pressed"], 9.81, 1e-11);
+    near(&found["outputs"]["rubbed"], 0.0, 1e-11);
+}
+
+#[test]
+fn a_block_on_two_corners_slips_when_both_are_at_their_limit() {
+    let sitting = File::new(
+        "sitting",
+        "name: Sitting\nparameters: {m: 1 kg, b: 0.1 m, h: 0.1 m, g: 9.81 m/s^2, mu: 0.3, F: 6 N, w: 4 rad/s}\n\
+         coordinates: {x: m, y: m, th: rad}\n\
+         bodies: {box: {mass: m, inertia: m*(b^2 + h^2)/3, angle: th, position: \"[x, y]\"}}\n\
+         points: {p: box - b*box.x - h*box.y, q: box + b*box.x - h*box.y}\ngravity: [0, -g]\n\
+         forces: {pull: {on: box, force: \"[F*sin(w*t), 0]\"}}\n\
+         contacts:\n  p: {gap: p.y, on: box, at: p, normal: \"[0, 1]\", friction: mu}\n  \
+         q: {gap: q.y, on: box, at: q, normal: \"[0, 1]\", friction: mu}\n\
+         scene: {start: {y: h}, until: 4, tolerance: 1e-10}\n",
+    );
+    let sliding = File::new(
+        "sliding",
+        "name: Sliding\nparameters: {m: 1 kg, g: 9.81 m/s^2, mu: 0.3, F: 6 N, w: 4 rad/s}\ncoordinates: {x: m}\n\
+         bodies: {box: {mass: m, position: \"[x, 0]\"}}\nforces: {pull: {on: box, force: \"[F*sin(w*t), 0]\"}}\n\
+         friction: {floor: {rate: x', on: box, along: \"[1, 0]\", limit: mu*m*g}}\n\
+         scene: {start: {x: 0}, until: 4, tolerance: 1e-10}\n",
+    );
+    let [sitting, sliding] = [sitting, sliding].map(|file| json(&["simulate", &file.0]));
+    near(&sitting["q"]["x"], sliding["q"]["x"].as_f64().expect("a number"), 1e-9);
+    near(&sitting["v"]["x"], sliding["v"]["x"].as_f64().expect("a number"), 1e-9);
+    near(&sitting["q"]["th"], 0.0, 1e-12);
+    assert_eq!(sitting["warnings"], serde_json::json!([]));
+}
+
+#[test]
+fn what_jams_is_an_error() {
+    let rod = File::new(
+        "rod",
+        "name: Jammed\nparameters: {m: 1 kg, l: 1 m, g: 9.81 m/s^2, mu: 2, a: 60 deg, w: 0.5 rad/s}\n\
+         coordinates: {x: m, y: m, th: rad}\n\
+         bodies: {rod: {mass: m, inertia: m*l^2/12, angle: th, position: \"[x, y]\"}}\n\
+         points: {p: rod - l/2*rod.x}\ngravity: [0, -g]\n\
+         contacts: {p: {gap: p.y, on: rod, at: p, normal: \"[0, 1]\", friction: mu}}\n\
+         scene: {start: {th: a, y: l/2*sin(a), x': -3, th': w, y': l/2*cos(a)*w}, until: 1}\n",
+    );
+    let jams = run(&["simulate", &rod.0]).expect_err("Painlevé's paradox");
+    assert!(jams.contains("no combination of sticking, slipping and opening"), "{jams}");
+    run(&["simulate", &rod.0, "--set", "mu=0.5"]).expect("a rod that is less rough slides");
+}
+
+#[test]
+fn contacts_are_known_by_name() {
+    let system = Dynamic::new(Balls::default());
+    let contacts = system.contacts();
+    assert_eq!(contacts.all.iter().map(|contact| &*contact.name).collect::<Vec<_>>(), ["floor", "one", "two"]);
+    assert_eq!(contacts.modes(5), [ContactMode::Closed, ContactMode::Open, ContactMode::Closed]);
+    assert_eq!(system.description().phases[5].name, "floor closed, one open, two closed");
+    let mut balls = Balls::default();
+    balls.e = 2.0;
+    let Err(Error::Run(failure)) = balls.simulate().run() else { panic!("a restitution of 2") };
+    assert!(matches!(failure.cause, Cause::BadRestitution { .. }), "{}", failure.cause);
+}
+
+#[test]
+fn a_wrong_place_or_direction_does_not_compile() {
+    let text = std::fs::read_to_string(model("rocking_block")).expect("the model");
+    for (right, wrong) in [("at: left,  normal", "at: top_left,  normal"), ("gap: right.y, on", "gap: 2*right.y, on")] {
+        let file = File::new("wrong", &text.replace(right, wrong));
+        let refused = run(&["check", &file.0]).expect_err("balances disagree");
+        assert!(refused.contains("balances"), "{refused}");
+    }
+}
