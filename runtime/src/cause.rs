@@ -433,8 +433,8 @@ impl fmt::Display for Cause {
             ),
             Cause::Chattering { switch } => write!(
                 f,
-                "chattering: both sides of `{switch}` = 0 push back to it; describe what happens there as a phase with a \
-                 constraint that keeps it 0 and events that lead in and out, or write `tanh(({switch})/small)` for its sign"
+                "chattering: both sides of `{switch}` = 0 push back to it; dry friction that sticks is `friction: {{rub: {{rate: {switch}, limit: F, \
+                 …}}}}`; else describe what happens there as a phase with a constraint that keeps it 0 and events that lead in and out"
             ),
             Cause::DirectionLost { coordinate } => write!(
                 f,

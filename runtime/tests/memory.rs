@@ -455,7 +455,6 @@ fn what_does_not_take_held_values_says_so() {
         (vec!["orbit", &robot], "holds values that events set"),
         (vec!["needs", &robot], "holds values that events set"),
         (vec!["simulate", &robot, "--slopes", "Kp"], "values that are held"),
-        (vec!["show", &robot, "--python"], "held values"),
     ] {
         let problem = run(&arguments).expect_err("not known");
         assert!(problem.contains(words), "{arguments:?}: {problem}");

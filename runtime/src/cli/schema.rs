@@ -36,6 +36,9 @@ const MODEL: &[Key] = &[
     ("generalized_forces", "value*", "Forces on coordinates"),
     ("constraints", "constraint*", "Equations that hold: `y = R`"),
     ("joints", "joint*", "Rows of constraints by the name of the joint that they make"),
+    ("friction", "friction*", "What sticks and slips by itself"),
+    ("contacts", "contact*", "What opens, closes and strikes by itself"),
+    ("impacts", "word", "sequential, together or poisson: what contacts that strike at once do"),
     ("phases", "value*", "Which constraints hold when; the first is in force at the start"),
     ("events", "event*", "What is recorded, stops or changes the phase"),
     ("balances", "balances", "A second derivation: momentum balances, compared with Lagrange's equations"),
@@ -122,6 +125,32 @@ const OBJECTS: &[(&str, &[Key])] = &[
             ("at", "value", "A point"),
             ("axis", "value", "In space: the direction of its couple"),
             ("phase", "value", "When it acts"),
+        ],
+    ),
+    (
+        "friction",
+        &[
+            ("rate", "expression", "The sliding rate, affine in the speeds"),
+            ("on", "value", "The body it acts on"),
+            ("from", "value", "The body it acts from"),
+            ("at", "value", "A point"),
+            ("along", "value", "A direction"),
+            ("axis", "value", "In space: the direction of its couple"),
+            ("limit", "expression", "The force of sliding"),
+            ("static", "expression", "The largest force that sticks"),
+        ],
+    ),
+    (
+        "contact",
+        &[
+            ("gap", "expression", "Not negative"),
+            ("on", "value", "The body that is pushed along `normal`"),
+            ("from", "value", "The body that is pushed back"),
+            ("at", "value", "The point where they touch"),
+            ("normal", "value", "A direction"),
+            ("friction", "expression", "The coefficient of sliding"),
+            ("static", "expression", "The coefficient of sticking"),
+            ("restitution", "expression", "In 0..1"),
         ],
     ),
     (
@@ -318,6 +347,7 @@ mod tests {
                 "closing" => "motions: {a: {closes: {qqqqqqqq: 1}}}".to_owned(),
                 "fit" => "motions: {a: {fit: {qqqqqqqq: 1}}}".to_owned(),
                 "need" => "scene: {needs: {qqqqqqqq: 1}}".to_owned(),
+                "friction" => "friction: {a: {qqqqqqqq: 1}}".to_owned(),
                 other => format!("{other}s: {{a: {{qqqqqqqq: 1}}}}"),
             };
             let mut found = known(&format!("name: A\ncoordinates: {{x: }}\nkinetic_energy: x'^2/2\n{section}\n"));

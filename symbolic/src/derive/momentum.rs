@@ -66,7 +66,8 @@ fn linear(model: &mut Model, rows: &Rows, system: &BalanceSystem, known: &[Switc
         });
     }
     let bodies = (!of_bodies.is_empty()).then(|| Box::new(solved_for(graph, &of_bodies, &unknowns, known)));
-    Momentum { constraints: active.len(), bodies, ..solved_for(graph, &residuals, &unknowns, known) }
+    // What multipliers of contacts are is judged as balances are.
+    Momentum { constraints: active.len() - acts.len(), bodies, ..solved_for(graph, &residuals, &unknowns, known) }
 }
 
 /// Of each contact's row, in a system of all phases, the indicator of those in which it acts.

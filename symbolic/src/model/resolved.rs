@@ -180,15 +180,15 @@ impl Model {
         self.rows_of_contacts(self.contacts.iter().flat_map(constraints))
     }
 
-    /// The rows that a system of balances has as equations of its own: those of its phase, and with contacts, which belong to all phases,
-    /// those of all contacts, whether they act or not.
+    /// The rows that a system of balances has as equations of its own: with contacts, which belong to all phases, those of all contacts, whether
+    /// they act or not, then those of its phase.
     pub fn rows_of_system(&self, system: &BalanceSystem) -> Vec<usize> {
         let active = system.phases.first().and_then(|phase| self.phases.get(*phase));
         let mut rows = active.map_or_else(Vec::new, |phase| self.rows_of(phase));
         if system.phases.len() > 1 {
             let contacts = self.contact_rows();
             rows.retain(|row| !contacts.contains(row));
-            rows.extend(contacts);
+            rows.splice(..0, contacts);
         }
         rows
     }

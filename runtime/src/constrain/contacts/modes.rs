@@ -93,6 +93,15 @@ pub(crate) fn settle(system: &mut dyn System, moment: &Moment<'_>, change: Chang
     let alike = |one: &Trial, other: &Trial| {
         one.accelerations.iter().zip(&other.accelerations).all(|(a, b)| (a - b).abs() <= ALIKE * scale)
     };
+    // What may stick does not begin to slide, though it might, being held by more than what slides is.
+    let sticks_instead = |one: &Trial, other: &Trial| {
+        let instead = |((one, other), known): ((&ContactMode, &ContactMode), &Known)| {
+            one == other || known.rolls && one.sliding() != 0.0 && *other == ContactMode::Sticks
+        };
+        !alike(one, other) && one.modes.iter().zip(&other.modes).zip(&known).all(instead)
+    };
+    let agree: Vec<&Trial> =
+        agree.iter().copied().filter(|one| !agree.iter().any(|other| sticks_instead(one, other))).collect();
     let chosen = match agree.as_slice() {
         [] => None,
         [first, rest @ ..] => {
