@@ -4,6 +4,7 @@ mod arguments;
 mod candidates;
 mod constraints;
 mod count;
+mod elimination;
 mod factor;
 mod forms;
 mod frequencies;
@@ -30,6 +31,7 @@ use crate::model::{Model, Scene, Shape};
 pub use arguments::{Argument, Role, Watched};
 pub use constraints::Constraints;
 pub use count::operations;
+pub use elimination::Elimination;
 pub use factor::Accelerations;
 pub use momentum::MomentumSystem;
 pub use parts::Part;
@@ -64,6 +66,8 @@ pub struct Program {
     pub constraints: Constraints,
     /// q'' = −M⁻¹h.
     pub accelerations: Accelerations,
+    /// How they are found without M, or why not, where velocities are shared.
+    pub elimination: Option<Elimination>,
     /// F = M q'' + h − (Jᵀ + B) λ.
     pub residual: Vec<Id>,
     /// ∂F/∂q.
@@ -187,8 +191,9 @@ pub fn compile_in(folder: Option<&Path>, text: &str, sizes: &[(String, i64)]) ->
 /// The model is too large.
 pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let Judged { derivation, cyclic, directions, report } = judged;
-    let Derivation { mut model, equations, rows, momentum, named_reactions, energies, signals, switches, .. } =
-        derivation;
+    let Derivation {
+        mut model, equations, rows, momentum, named_reactions, energies, signals, switches, dynamics, ..
+    } = derivation;
     let n = model.coordinates.len();
     let graph = &mut model.graph;
 
@@ -199,7 +204,7 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     // With constraints the forces of their multipliers are no part of h any more.
     let derived = equations.iter().filter(|_| constraints.is_empty()).map(|derivation| derivation.bias.clone());
     let derived: Vec<Vec<Id>> = derived.collect();
-    let accelerations = factor::accelerations(graph, n, &chosen.mass, &chosen.bias, &derived);
+    let mut accelerations = factor::accelerations(graph, n, &chosen.mass, &chosen.bias, &derived);
     let (mut stiffness, mut damping) = residual_jacobians(graph, n, &chosen.residual);
     let slopes = stiffness.iter().chain(&damping).map(|e| e.2).collect();
     let slopes = forms::gathered(graph, slopes, &chosen.residual);
@@ -235,6 +240,9 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let assignments = model.sets.iter().flat_map(|set| set.values.iter().map(|(_, value)| *value)).collect();
     let drawing = model.draw.iter().flat_map(drawn).collect();
 
+    let by_masses = (chosen.mass.as_slice(), chosen.bias.as_slice());
+    let elimination =
+        constraints.is_empty().then(|| elimination::choose(graph, &dynamics, by_masses, &mut accelerations)).flatten();
     let reads = parts::reads(graph, &chosen.residual, &constraints, &switches, &model.events);
     let parts = parts::parts(n, reads.as_deref());
     let structure = structure::recognise(
@@ -277,6 +285,7 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
         bias: chosen.bias,
         constraints,
         accelerations,
+        elimination,
         residual: chosen.residual,
         stiffness,
         damping,
@@ -347,6 +356,7 @@ impl Program {
             bias: Vec::new(),
             constraints: Constraints::default(),
             accelerations: Accelerations::Unrolled { values: Vec::new(), pivots: Vec::new() },
+            elimination: None,
             residual: Vec::new(),
             stiffness: Vec::new(),
             damping: Vec::new(),
