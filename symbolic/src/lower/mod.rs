@@ -197,14 +197,22 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let n = model.coordinates.len();
     let graph = &mut model.graph;
 
-    let mut chosen = candidates::choose(graph, &equations);
+    // With constraints M, J and what multipliers do are solved for together; states of first order are no velocities.
+    let free = rows.is_empty() && dynamics.n == n;
+    let eliminated = free.then(|| elimination::Found::of(graph, &dynamics, &equations[0].mass)).flatten();
+    let certain = eliminated.as_ref().is_some_and(|found| found.is_certain(&equations[0].mass));
+    let mut chosen = candidates::choose(graph, &equations, !certain);
     let mut constraints = constraints::lowered(graph, rows, &mut chosen);
     chosen.bias = gather::gather(graph, &chosen.bias);
     chosen.residual = gather::gather(graph, &chosen.residual);
     // With constraints the forces of their multipliers are no part of h any more.
     let derived = equations.iter().filter(|_| constraints.is_empty()).map(|derivation| derivation.bias.clone());
     let derived: Vec<Vec<Id>> = derived.collect();
-    let mut accelerations = factor::accelerations(graph, n, &chosen.mass, &chosen.bias, &derived);
+    let mut accelerations = if certain {
+        Accelerations::Loop
+    } else {
+        factor::accelerations(graph, n, &chosen.mass, &chosen.bias, &derived)
+    };
     let (mut stiffness, mut damping) = residual_jacobians(graph, n, &chosen.residual);
     let slopes = stiffness.iter().chain(&damping).map(|e| e.2).collect();
     let slopes = forms::gathered(graph, slopes, &chosen.residual);
@@ -241,8 +249,7 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let drawing = model.draw.iter().flat_map(drawn).collect();
 
     let by_masses = (chosen.mass.as_slice(), chosen.bias.as_slice());
-    let elimination =
-        constraints.is_empty().then(|| elimination::choose(graph, &dynamics, by_masses, &mut accelerations)).flatten();
+    let elimination = eliminated.map(|found| found.choose(graph, by_masses, &mut accelerations));
     let reads = parts::reads(graph, &chosen.residual, &constraints, &switches, &model.events);
     let parts = parts::parts(n, reads.as_deref());
     let structure = structure::recognise(

@@ -8,13 +8,13 @@ use super::models;
 
 /// Mechanisms, with the numbers of links in the table.
 const ROWS: [(&str, &str, [i64; 4]); 8] = [
-    ("chain, absolute angles", models::ABSOLUTE, [3, 5, 10, 20]),
-    ("the same by its energies, balls", models::ENERGIES, [3, 5, 10, 20]),
-    ("chain, relative angles", models::RELATIVE, [3, 5, 10, 20]),
-    ("cart with chain", models::CART, [3, 5, 10, 20]),
-    ("turntable with chain", models::TURNTABLE, [3, 5, 10, 20]),
-    ("tree, absolute angles", models::TREE, [3, 7, 15, 31]),
-    ("pendulums in space, spherical angles", models::SPHERICAL, [3, 5, 10, 20]),
+    ("chain, absolute angles", models::ABSOLUTE, [5, 10, 20, 40]),
+    ("the same by its energies, balls", models::ENERGIES, [5, 10, 20, 40]),
+    ("chain, relative angles", models::RELATIVE, [5, 10, 20, 40]),
+    ("cart with chain", models::CART, [5, 10, 20, 40]),
+    ("turntable with chain", models::TURNTABLE, [5, 10, 20, 40]),
+    ("tree, absolute angles", models::TREE, [7, 15, 31, 63]),
+    ("pendulums in space, spherical angles", models::SPHERICAL, [5, 10, 20, 30]),
     ("bars on universal joints", models::SPACE, [2, 3, 6, 12]),
 ];
 

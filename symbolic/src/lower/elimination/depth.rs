@@ -2,6 +2,7 @@
 
 use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary};
 use crate::lower::count::operations;
+use crate::lower::factor::dense_operations;
 
 /// Cycles from the operands of an operation to its result, on processors of today (Fog, Instruction tables, 2022).
 const ADDITION: u32 = 4;
@@ -101,5 +102,5 @@ pub(super) fn time(graph: &Graph, roots: &[Id]) -> f64 {
 
 /// Nanoseconds of a loop over the packed triangle of M, with M and h before it.
 pub(super) fn time_of_loop(graph: &Graph, n: usize, roots: &[Id]) -> f64 {
-    time(graph, roots) + OPERATION * (n * n * n / 3 + 2 * n * n) as f64
+    time(graph, roots) + OPERATION * dense_operations(n) as f64
 }

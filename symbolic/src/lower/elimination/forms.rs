@@ -9,6 +9,7 @@ use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary, canonical_products, co
 pub(super) type Form = Vec<(usize, Id)>;
 
 /// A form Σ wₖₗ yₖ yₗ / 2 + Σ gₖ yₖ + Σ hᵢ xᵢ with the y as linear forms.
+#[derive(Clone)]
 pub(super) struct Forms {
     /// How many coordinates there are.
     pub n: usize,
@@ -69,8 +70,9 @@ impl Forms {
         })
     }
 
-    /// The same in a graph of its own, with the factors of products in one order, so that what several share is computed once.
-    pub fn moved(mut self, from: &Graph) -> (Graph, Forms) {
+    /// The same in a graph of its own; `in_order` with the factors of products without speeds before those with, so that what coefficients
+    /// and biases share is computed once.
+    pub fn moved(mut self, from: &Graph, in_order: bool) -> (Graph, Forms) {
         let mut graph = Graph::new();
         let mut places: Vec<&mut Id> = Vec::new();
         let Forms { kept, products, linear, forces, .. } = &mut self;
@@ -82,8 +84,10 @@ impl Forms {
         places.extend(linear.iter_mut().flat_map(|(form, g)| form.iter_mut().map(|term| &mut term.1).chain([g])));
         places.extend(forces);
         let old: Vec<Id> = places.iter().map(|id| **id).collect();
-        let new = copied(from, &old, &mut graph);
-        let new = canonical_products(&mut graph, &new, |symbol| !matches!(symbol, Symbol::Speed(_)));
+        let mut new = copied(from, &old, &mut graph);
+        if in_order {
+            new = canonical_products(&mut graph, &new, |symbol| !matches!(symbol, Symbol::Speed(_)));
+        }
         places.into_iter().zip(new).for_each(|(place, id)| *place = id);
         (graph, self)
     }

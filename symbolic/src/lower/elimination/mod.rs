@@ -18,13 +18,13 @@ mod sums;
 
 use super::Entry;
 use super::count::varying;
-use super::factor::Accelerations;
+use super::factor::{Accelerations, dense_operations, factoring_operations};
 use super::operations;
 use crate::derive::{Dynamics, LeastConstraint};
 use crate::expr::{Graph, Id, Symbol, canonical_products, copied};
 use forms::Forms;
 use order::{Interaction, Order, RULES, Rule};
-use solve::{Solution, WRITINGS, solve};
+use solve::{Solution, WRITINGS, Writing, solve};
 
 /// How accelerations are computed, in words, and the numbers behind it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -41,58 +41,82 @@ pub struct Elimination {
     pub operations: [usize; 2],
 }
 
-/// Of candidates whose times differ by less than the model of costs can tell, M and LDLᵀ among them, the one with the fewest operations is
-/// chosen: it is less to compile, and to interpret.  One with more operations than M and LDLᵀ never is.
-const ALIKE: f64 = 1.05;
+/// Of eliminations whose times differ by less than the model of costs can tell (its choices took up to 12 % longer than the best), the one with
+/// the fewest operations is taken: it is less to compile, and to interpret.
+const ALIKE: f64 = 1.1;
+/// How many times longer than M and LDLᵀ it may take by the model, for fewer operations.
+const SLOWER: f64 = 1.05;
 
-/// Elimination in the place of M and LDLᵀ, where that takes less time; nothing where no velocity is shared or some is not linear in the
-/// speeds.  The graph changes only where the accelerations do.
-pub(super) fn choose(
-    graph: &mut Graph,
-    dynamics: &Dynamics,
-    (mass, bias): (&[Entry], &[Id]),
-    accelerations: &mut Accelerations,
-) -> Option<Elimination> {
-    let n = dynamics.n;
-    let varies = varying(graph);
-    // Where M does not change it is factored once per run; states of first order have no velocities.
-    if bias.len() != n || mass.iter().all(|entry| !varies[entry.2.index()]) {
-        return None;
-    }
-    let mut trial = graph.clone();
-    let least = LeastConstraint::of(&mut trial, dynamics);
-    let forms = Forms::of(&mut trial, n, &least)?;
-    if forms.kept.is_empty() {
-        return None;
-    }
-    let (small, forms) = forms.moved(&trial);
-    let by_masses = match accelerations {
-        Accelerations::Unrolled { values, pivots } => depth::time(graph, &solve::roots(values, pivots)),
-        Accelerations::Loop => {
-            let roots: Vec<Id> = mass.iter().map(|e| e.2).chain(bias.iter().copied()).collect();
-            depth::time_of_loop(graph, n, &roots)
-        }
-    };
-    let counted = accelerations.operations(graph, n, mass, bias);
-    let candidates = candidates(&small, &forms, counted);
-    let least = candidates.iter().map(|candidate| candidate.time).reduce(f64::min)?;
-    let alike = candidates.into_iter().filter(|candidate| candidate.time <= ALIKE * least);
-    let best = alike.min_by_key(|candidate| candidate.operations)?;
-    let chosen = best.operations < counted && best.time <= ALIKE * by_masses;
-    let found = Elimination {
-        order: chosen.then(|| best.rule.words()),
-        kept: forms.kept.len(),
-        front: best.front,
-        times: [best.time, by_masses],
-        operations: [best.operations, counted],
-    };
-    if chosen {
-        let roots = copied(&best.graph, &best.solution.roots(), graph);
-        let Solution { values, pivots } = best.solution.with(&roots);
-        *accelerations = Accelerations::Unrolled { values, pivots };
-    }
-    Some(found)
+/// The best elimination, in a graph of its own, with how many velocities are kept; nothing where no velocity is shared or some is not linear in the
+/// speeds, and where M does not change, since it is factored once per run.
+pub(super) struct Found {
+    best: Candidate,
+    kept: usize,
+    n: usize,
 }
+
+impl Found {
+    /// From what the equations were derived from; `mass` is any form of M.
+    pub fn of(graph: &Graph, dynamics: &Dynamics, mass: &[Entry]) -> Option<Found> {
+        let n = dynamics.n;
+        let varies = varying(graph);
+        if mass.iter().all(|entry| !varies[entry.2.index()]) {
+            return None;
+        }
+        let mut trial = graph.clone();
+        let least = LeastConstraint::of(&mut trial, dynamics);
+        let forms = Forms::of(&mut trial, n, &least)?;
+        if forms.kept.is_empty() {
+            return None;
+        }
+        let kept = forms.kept.len();
+        let bases = [false, true].map(|in_order| forms.clone().moved(&trial, in_order));
+        let best = best(&bases, dense_operations(n) + MOST_EACH * n)?;
+        Some(Found { best, kept, n })
+    }
+
+    /// Whether factoring M alone, with as many entries as it has, takes more operations than everything here: then M and h need not be
+    /// brought to their best forms.  Where there are few coordinates it is not asked.
+    pub fn is_certain(&self, mass: &[Entry]) -> bool {
+        self.n > FEW && self.best.operations < factoring_operations(self.n, mass)
+    }
+
+    /// Takes the place of accelerations by M and LDLᵀ where it has fewer operations and takes hardly more time.
+    pub fn choose(
+        self,
+        graph: &mut Graph,
+        (mass, bias): (&[Entry], &[Id]),
+        accelerations: &mut Accelerations,
+    ) -> Elimination {
+        let by_masses = match accelerations {
+            Accelerations::Unrolled { values, pivots } => depth::time(graph, &solve::roots(values, pivots)),
+            Accelerations::Loop => {
+                let roots: Vec<Id> = mass.iter().map(|e| e.2).chain(bias.iter().copied()).collect();
+                depth::time_of_loop(graph, self.n, &roots)
+            }
+        };
+        let counted = accelerations.operations(graph, self.n, mass, bias);
+        let Candidate { rule, front, graph: own, solution, time, operations } = self.best;
+        let chosen = operations < counted && time <= SLOWER * by_masses;
+        if chosen {
+            let roots = copied(&own, &solution.roots(), graph);
+            let Solution { values, pivots } = solution.with(&roots);
+            *accelerations = Accelerations::Unrolled { values, pivots };
+        }
+        Elimination {
+            order: chosen.then(|| rule.words()),
+            kept: self.kept,
+            front,
+            times: [time, by_masses],
+            operations: [operations, counted],
+        }
+    }
+}
+
+/// Operations for each coordinate up to which an order is tried where M is small: bars on universal joints take some 400.
+const MOST_EACH: usize = 1000;
+/// With no more coordinates than this M and LDLᵀ in their best forms are compared.
+const FEW: usize = 16;
 
 /// One way to eliminate, in a graph of its own.
 struct Candidate {
@@ -104,29 +128,44 @@ struct Candidate {
     operations: usize,
 }
 
-/// Every order that takes no more operations than the limit, with products written in every way.
-fn candidates(base: &Graph, forms: &Forms, limit: usize) -> Vec<Candidate> {
-    let interaction = Interaction::of(forms);
-    let mut candidates: Vec<Candidate> = Vec::new();
-    let mut known: Vec<Order> = Vec::new();
+/// Every order with products written in every way; where there are many coordinates the other ways for the fastest order alone.
+fn best(bases: &[(Graph, Forms); 2], limit: usize) -> Option<Candidate> {
+    let n = bases[0].1.n;
+    let interaction = Interaction::of(&bases[0].1);
+    let mut orders: Vec<(Rule, Order)> = Vec::new();
     for rule in RULES {
-        let Some(order) = interaction.order(rule, limit).filter(|order| !known.contains(order)) else { continue };
-        for writing in WRITINGS {
-            let mut graph = base.clone();
-            let Some(solution) = solve(&mut graph, forms, &order.variables, writing) else { continue };
-            let mut factored = graph.clone();
-            let in_order = with_factors_in_order(&mut factored, &solution);
-            for (graph, solution) in [(graph, solution), (factored, in_order)] {
-                let roots = solution.roots();
-                let (time, operations) = (depth::time(&graph, &roots), operations(&graph, &roots));
-                if !graph.overflowed() {
-                    candidates.push(Candidate { rule, front: order.front, graph, solution, time, operations });
-                }
-            }
-        }
-        known.push(order);
+        let order = interaction.order(rule, limit);
+        orders.extend(order.filter(|order| orders.iter().all(|known| known.1 != *order)).map(|order| (rule, order)));
     }
-    candidates
+    let [first, others @ ..] = WRITINGS;
+    let tried = |(rule, order): &(Rule, Order), writing| {
+        let of = |base| candidates(base, (*rule, order), writing);
+        bases.iter().flat_map(of).collect::<Vec<Candidate>>()
+    };
+    let plain: Vec<Vec<Candidate>> = orders.iter().map(|order| tried(order, first)).collect();
+    let fastest = |list: &[Candidate]| list.iter().map(|candidate| candidate.time).fold(f64::INFINITY, f64::min);
+    let first = (0..plain.len()).min_by(|a, b| fastest(&plain[*a]).total_cmp(&fastest(&plain[*b])))?;
+    let further = (0..plain.len()).filter(|order| n <= FEW || *order == first);
+    let written = further.flat_map(|order| others.iter().map(move |writing| (order, *writing)));
+    let written: Vec<Candidate> = written.flat_map(|(order, writing)| tried(&orders[order], writing)).collect();
+    let all: Vec<Candidate> = plain.into_iter().flatten().chain(written).collect();
+    let least = fastest(&all);
+    all.into_iter().filter(|candidate| candidate.time <= ALIKE * least).min_by_key(|candidate| candidate.operations)
+}
+
+/// With factors of products as they come, and in one order.
+fn candidates((base, forms): &(Graph, Forms), (rule, order): (Rule, &Order), writing: Writing) -> Vec<Candidate> {
+    let mut graph = base.clone();
+    let Some(solution) = solve(&mut graph, forms, &order.variables, writing) else { return Vec::new() };
+    let mut factored = graph.clone();
+    let in_order = with_factors_in_order(&mut factored, &solution);
+    let candidate = |(graph, solution): (Graph, Solution)| {
+        let roots = solution.roots();
+        let (time, operations) = (depth::time(&graph, &roots), operations(&graph, &roots));
+        let fits = !graph.overflowed();
+        fits.then_some(Candidate { rule, front: order.front, graph, solution, time, operations })
+    };
+    [(graph, solution), (factored, in_order)].into_iter().filter_map(candidate).collect()
 }
 
 /// With factors of products in one order, which makes chains shorter where it makes more operations.
