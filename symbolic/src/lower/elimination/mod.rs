@@ -18,7 +18,7 @@ mod sums;
 
 use super::Entry;
 use super::count::varying;
-use super::factor::{Accelerations, dense_operations, factoring_operations};
+use super::factor::{Accelerations, factoring_operations};
 use super::operations;
 use crate::derive::{Dynamics, LeastConstraint};
 use crate::expr::{Graph, Id, Symbol, canonical_products, copied};
@@ -71,7 +71,7 @@ impl Found {
         }
         let kept = forms.kept.len();
         let bases = [false, true].map(|in_order| forms.clone().moved(&trial, in_order));
-        let best = best(&bases, dense_operations(n) + MOST_EACH * n)?;
+        let best = best(&bases)?;
         Some(Found { best, kept, n })
     }
 
@@ -113,8 +113,6 @@ impl Found {
     }
 }
 
-/// Operations for each coordinate up to which an order is tried where M is small: bars on universal joints take some 400.
-const MOST_EACH: usize = 1000;
 /// With no more coordinates than this M and LDLᵀ in their best forms are compared.
 const FEW: usize = 16;
 
@@ -129,12 +127,12 @@ struct Candidate {
 }
 
 /// Every order with products written in every way; where there are many coordinates the other ways for the fastest order alone.
-fn best(bases: &[(Graph, Forms); 2], limit: usize) -> Option<Candidate> {
+fn best(bases: &[(Graph, Forms); 2]) -> Option<Candidate> {
     let n = bases[0].1.n;
     let interaction = Interaction::of(&bases[0].1);
     let mut orders: Vec<(Rule, Order)> = Vec::new();
     for rule in RULES {
-        let order = interaction.order(rule, limit);
+        let order = interaction.order(rule);
         orders.extend(order.filter(|order| orders.iter().all(|known| known.1 != *order)).map(|order| (rule, order)));
     }
     let [first, others @ ..] = WRITINGS;

@@ -19,6 +19,10 @@ pub(super) enum Rule {
 /// Every rule; none is best for all mechanisms.
 pub(super) const RULES: [Rule; 3] = [Rule::Fill, Rule::Outermost, Rule::Bodies];
 
+/// A variable that is coupled with so many others takes some 300 operations, and a loop over M is shorter code than that for all of
+/// them.  Bars on universal joints in ground axes have 11.
+const LONGEST_FRONT: usize = 16;
+
 /// An order with the couplings that it makes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Order {
@@ -26,8 +30,6 @@ pub(super) struct Order {
     pub variables: Vec<usize>,
     /// The largest front: how many others a variable is coupled with when it is eliminated.
     pub front: usize,
-    /// About how many operations eliminating takes.
-    pub operations: usize,
 }
 
 /// Which variables stand in one product.
@@ -76,9 +78,9 @@ impl Interaction {
         Interaction { coupled, made_of, stands_in, level, bodies: dependent(forms), n: forms.n }
     }
 
-    /// The order by one rule; `None` where it takes more operations than the limit.
-    pub fn order(&self, rule: Rule, limit: usize) -> Option<Order> {
-        let mut left = Left { coupled: self.coupled.clone(), order: Order::default(), limit };
+    /// The order by one rule; `None` where a front is longer than [`LONGEST_FRONT`].
+    pub fn order(&self, rule: Rule) -> Option<Order> {
+        let mut left = Left { coupled: self.coupled.clone(), order: Order::default() };
         match rule {
             Rule::Outermost => self.outermost(&mut left)?,
             Rule::Fill | Rule::Bodies => self.greedy(rule, &mut left)?,
@@ -157,19 +159,16 @@ impl Interaction {
 struct Left {
     coupled: Vec<BTreeSet<usize>>,
     order: Order,
-    limit: usize,
 }
 
 impl Left {
-    /// Couples the neighbours of a variable with each other; `None` beyond the limit.
+    /// Couples the neighbours of a variable with each other; `None` where these are too many.
     fn eliminate(&mut self, v: usize) -> Option<BTreeSet<usize>> {
         let neighbours = std::mem::take(&mut self.coupled[v]);
         let degree = neighbours.len();
         self.order.variables.push(v);
         self.order.front = self.order.front.max(degree);
-        // A reciprocal, two operations and one more backwards for each neighbour, two for each pair of them.
-        self.order.operations += 1 + 4 * degree + degree * (degree + 1);
-        if self.order.operations > self.limit {
+        if degree > LONGEST_FRONT {
             return None;
         }
         for &i in &neighbours {
