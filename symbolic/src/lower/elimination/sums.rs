@@ -111,13 +111,16 @@ fn split(graph: &Graph, mut term: Id) -> (Number, Id) {
     }
 }
 
+/// The number of a term, the angle of a squared sine or cosine in it, and its other factors.
+type Rest = ((u8, i128, i128), Id, Vec<(Id, i32)>);
+
 /// Two terms k s² and k c² with what is left of both, k.
 fn squares(graph: &mut Graph, terms: &[(Id, Number)]) -> Option<(usize, usize, Id)> {
     if terms.len() < 2 {
         return None;
     }
     // By the number, the angle and all other factors: the first term seen, whether it has the sine.
-    let mut seen: HashMap<((u8, i128, i128), Id, Vec<(Id, i32)>), (usize, bool)> = HashMap::default();
+    let mut seen: HashMap<Rest, (usize, bool)> = HashMap::default();
     for (place, (term, number)) in terms.iter().enumerate() {
         if !matches!(graph.node(*term), Node::Binary(Binary::Mul, ..)) {
             continue;

@@ -68,10 +68,8 @@ impl Case {
         for k in 0..n {
             for i in k + 1..n {
                 let factor = m[i][k] / m[k][k];
-                for j in k..n {
-                    let update = factor * m[k][j];
-                    m[i][j] = m[i][j] - update;
-                }
+                let row = m[k].clone();
+                m[i].iter_mut().zip(row).for_each(|(x, y)| *x = *x - factor * y);
                 f[i] = f[i] - factor * f[k];
             }
         }
@@ -126,7 +124,7 @@ impl Case {
         let Accelerations::Unrolled { pivots, .. } = &self.program.accelerations else { panic!("a loop") };
         let roots: Vec<Id> = pivots.iter().flat_map(|(_, pivot, size)| [*pivot, *size]).collect();
         let values = Tape::new(&self.program.model.graph, &roots).evaluate(|s| self.value(state, s));
-        let vanishes = |pair: &[f64]| !(pair[0].abs() > 4.0 * f64::EPSILON * pair[1].abs());
+        let vanishes = |pair: &[f64]| pair[0].is_nan() || pair[0].abs() <= 4.0 * f64::EPSILON * pair[1].abs();
         pivots.iter().zip(values.chunks_exact(2)).filter(|(_, pair)| vanishes(pair)).map(|(p, _)| p.0).collect()
     }
 }
