@@ -73,6 +73,9 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     }
     write!(out, "\n{}", reading.text(model))?;
     writeln!(out, "\ncomputed from {}", program.choice)?;
+    if let Some(elimination) = &program.elimination {
+        writeln!(out, "  {}", elimination.words())?;
+    }
     check::structure(&program, out)
 }
 

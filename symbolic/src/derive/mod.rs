@@ -19,6 +19,7 @@ mod constraints;
 mod hidden;
 mod integrals;
 pub(crate) mod lagrange;
+mod least_constraint;
 mod massless;
 pub(crate) mod momentum;
 mod reactions;
@@ -35,6 +36,7 @@ use crate::model::{Input, Load, Model, Rotation, Work};
 
 pub(crate) use constraints::held_rates;
 pub use constraints::{Rows, RowsAgain};
+pub(crate) use least_constraint::LeastConstraint;
 pub use momentum::Momentum;
 pub(crate) use switches::introduce;
 pub use switches::{Switch, SwitchKind, remove as without_modes};
@@ -88,6 +90,8 @@ pub struct Derivation {
     pub signals: Vec<[Id; 3]>,
     /// Discontinuities of the equations of motion and of inputs.
     pub switches: Vec<Switch>,
+    /// What the equations were derived from.
+    pub(crate) dynamics: Dynamics,
 }
 
 /// More coordinates than this would need a dense mass matrix beyond the limit of the graph.
@@ -117,14 +121,14 @@ pub fn derive(mut model: Model) -> Result<Derivation, Vec<Problem>> {
         equations.push(virtual_power::equations(&mut model.graph, &dynamics));
     }
     let mut energies = lagrange::energies(&mut model, &dynamics);
-    let (mut switches, signals, state_rates) = (dynamics.switches, dynamics.signals, dynamics.state_rates);
+    let (mut switches, signals) = (dynamics.switches.clone(), dynamics.signals.clone());
     if model.graph.overflowed() {
         return Err(vec![too_large()]);
     }
-    hidden::append(&mut model, &state_rates, &mut equations, &mut momenta);
+    hidden::append(&mut model, &dynamics.state_rates, &mut equations, &mut momenta);
     massless::balance(&mut model, &equations[0]);
     let rows = Rows::of(&mut model);
-    hidden::put_in(&mut model, &state_rates, &mut equations, &mut momenta, &mut energies, &mut switches);
+    hidden::put_in(&mut model, &dynamics.state_rates, &mut equations, &mut momenta, &mut energies, &mut switches);
     let momentum = momentum::systems(&mut model, &rows, &switches);
     if model.graph.overflowed() {
         return Err(vec![too_large()]);
@@ -138,11 +142,12 @@ pub fn derive(mut model: Model) -> Result<Derivation, Vec<Problem>> {
         return Err(moved);
     }
     let named_reactions = reactions::put_in(&mut model);
-    Ok(Derivation { model, equations, rows, momentum, named_reactions, energies, momenta, signals, switches })
+    Ok(Derivation { model, equations, rows, momentum, named_reactions, energies, momenta, signals, switches, dynamics })
 }
 
 /// What enters the equations of motion: the model's expressions in canonical form, with modes for
 /// discontinuities.
+#[derive(Clone, Debug)]
 pub(crate) struct Dynamics {
     /// How many coordinates there are.
     pub n: usize,
@@ -171,6 +176,7 @@ pub(crate) struct Dynamics {
 }
 
 /// A body's inertia and where it is.
+#[derive(Clone, Debug)]
 pub(crate) struct Inertial {
     pub mass: Id,
     pub position: Vec<Id>,
@@ -178,6 +184,7 @@ pub(crate) struct Inertial {
 }
 
 /// What a load does to a body.
+#[derive(Clone, Debug)]
 pub(crate) struct Acting {
     pub body: usize,
     /// The force, with the point at which it acts; empty for a couple alone.

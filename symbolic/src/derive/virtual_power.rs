@@ -103,14 +103,14 @@ fn halved(graph: &mut Graph, x: Id) -> Id {
 }
 
 /// What acts on a body, all loads together.
-struct Wrench {
-    force: Vec<Id>,
+pub(super) struct Wrench {
+    pub force: Vec<Id>,
     /// About the centre of mass: one component in the plane.
-    moment: Vec<Id>,
+    pub moment: Vec<Id>,
 }
 
 /// Every body's loads, reduced to its centre of mass.
-fn wrenches(graph: &mut Graph, dynamics: &Dynamics) -> Vec<Wrench> {
+pub(super) fn wrenches(graph: &mut Graph, dynamics: &Dynamics) -> Vec<Wrench> {
     let free = |body: &Inertial| Wrench {
         force: vec![Id::ZERO; body.position.len()],
         moment: vec![Id::ZERO; vectors::moment_size(body.position.len())],

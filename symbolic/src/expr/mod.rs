@@ -23,7 +23,7 @@ pub use expand::{Angles, expand, expand_around_sums};
 pub use graph::{Binary, Graph, Id, NODE_LIMIT, Node, Unary};
 pub use measured::Measured;
 pub use products::{canonical_products, factors};
-pub use rewrite::{rewrite, substitute};
+pub use rewrite::{copied, rewrite, substitute};
 pub use scalar::Scalar;
 pub use sums::{canonical_sums, terms};
 pub use symbol::Symbol;

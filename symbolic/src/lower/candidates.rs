@@ -16,8 +16,8 @@ pub(super) struct Chosen {
 }
 
 /// M, h and F may come from different derivations and in different forms: as derived, or expanded and
-/// factored again.  M and h are chosen together, since they are evaluated together.
-pub(super) fn choose(graph: &mut Graph, equations: &[Equations]) -> Chosen {
+/// factored again, where `expanding` is asked for.  M and h are chosen together, since they are evaluated together.
+pub(super) fn choose(graph: &mut Graph, equations: &[Equations], expanding: bool) -> Chosen {
     let mut masses: Vec<(String, Vec<Entry>)> = Vec::new();
     let mut biases: Vec<(String, Vec<Id>)> = Vec::new();
     let mut residuals: Vec<(String, Vec<Id>)> = Vec::new();
@@ -25,7 +25,7 @@ pub(super) fn choose(graph: &mut Graph, equations: &[Equations]) -> Chosen {
         let name = derivation.name;
         let values: Vec<Id> = derivation.mass.iter().map(|e| e.2).collect();
         // Expanded forms of different derivations are the same up to order, so one is enough.
-        if masses.is_empty() {
+        if expanding && masses.is_empty() {
             for (words, form) in expanded(graph, &values) {
                 let entries = derivation.mass.iter().zip(form).map(|(e, x)| (e.0, e.1, x));
                 masses.push((format!("{name}, {words}"), entries.filter(|e| e.2 != Id::ZERO).collect()));

@@ -147,10 +147,33 @@ impl Accelerations {
             Accelerations::Unrolled { values, pivots } => operations(graph, &[values.clone(), tested(pivots)].concat()),
             Accelerations::Loop => {
                 let roots: Vec<Id> = mass.iter().map(|e| e.2).chain(bias.iter().copied()).collect();
-                operations(graph, &roots) + n * n * n / 3 + 2 * n * n
+                operations(graph, &roots) + dense_operations(n)
             }
         }
     }
+}
+
+/// Operations of factoring a full M and substituting.
+pub(super) fn dense_operations(n: usize) -> usize {
+    n * n * n / 3 + 2 * n * n
+}
+
+/// Operations of factoring an M with these entries and substituting, zeros left out where that is written out.
+pub(super) fn factoring_operations(n: usize, mass: &[Entry]) -> usize {
+    let mut coupled = couplings(n, mass);
+    let mut operations = 0;
+    let mut left: Vec<usize> = (0..n).collect();
+    while let Some(place) = (0..left.len()).min_by_key(|&p| (coupled[left[p]].len(), left[p])) {
+        let k = left.remove(place);
+        operations += operations_of_column(coupled[k].len());
+        eliminate(&mut coupled, k);
+    }
+    operations.min(dense_operations(n))
+}
+
+/// Operations of eliminating a coordinate that is coupled with so many: its reciprocal, factors and updates.
+fn operations_of_column(degree: usize) -> usize {
+    1 + degree + degree * (degree + 1)
 }
 
 /// Minimum degree: next the coordinate that is coupled to the fewest others, the first of equals; `None` where factoring
@@ -163,7 +186,7 @@ fn elimination_order(n: usize, mass: &[Entry], once: bool, limit: usize) -> Opti
     while let Some(place) = (0..left.len()).min_by_key(|&p| (coupled[left[p]].len(), left[p])) {
         let k = left.remove(place);
         let degree = coupled[k].len();
-        operations += if once { 0 } else { 1 + degree + degree * (degree + 1) };
+        operations += if once { 0 } else { operations_of_column(degree) };
         operations += 4 * degree + 1;
         if operations > limit {
             return None;

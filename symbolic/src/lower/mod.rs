@@ -4,6 +4,7 @@ mod arguments;
 mod candidates;
 mod constraints;
 mod count;
+mod elimination;
 mod factor;
 mod forms;
 mod frequencies;
@@ -30,6 +31,7 @@ use crate::model::{Model, Scene, Shape};
 pub use arguments::{Argument, Role, Watched};
 pub use constraints::Constraints;
 pub use count::operations;
+pub use elimination::Elimination;
 pub use factor::Accelerations;
 pub use momentum::MomentumSystem;
 pub use parts::Part;
@@ -64,6 +66,8 @@ pub struct Program {
     pub constraints: Constraints,
     /// q'' = −M⁻¹h.
     pub accelerations: Accelerations,
+    /// How they are found without M, or why not, where velocities are shared.
+    pub elimination: Option<Elimination>,
     /// F = M q'' + h − (Jᵀ + B) λ.
     pub residual: Vec<Id>,
     /// ∂F/∂q.
@@ -187,19 +191,28 @@ pub fn compile_in(folder: Option<&Path>, text: &str, sizes: &[(String, i64)]) ->
 /// The model is too large.
 pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let Judged { derivation, cyclic, directions, report } = judged;
-    let Derivation { mut model, equations, rows, momentum, named_reactions, energies, signals, switches, .. } =
-        derivation;
+    let Derivation {
+        mut model, equations, rows, momentum, named_reactions, energies, signals, switches, dynamics, ..
+    } = derivation;
     let n = model.coordinates.len();
     let graph = &mut model.graph;
 
-    let mut chosen = candidates::choose(graph, &equations);
+    // With constraints M, J and what multipliers do are solved for together; states of first order are no velocities.
+    let free = rows.is_empty() && dynamics.n == n;
+    let eliminated = free.then(|| elimination::Found::of(graph, &dynamics, &equations[0].mass)).flatten();
+    let certain = eliminated.as_ref().is_some_and(|found| found.is_certain(&equations[0].mass));
+    let mut chosen = candidates::choose(graph, &equations, !certain);
     let mut constraints = constraints::lowered(graph, rows, &mut chosen);
     chosen.bias = gather::gather(graph, &chosen.bias);
     chosen.residual = gather::gather(graph, &chosen.residual);
     // With constraints the forces of their multipliers are no part of h any more.
     let derived = equations.iter().filter(|_| constraints.is_empty()).map(|derivation| derivation.bias.clone());
     let derived: Vec<Vec<Id>> = derived.collect();
-    let accelerations = factor::accelerations(graph, n, &chosen.mass, &chosen.bias, &derived);
+    let mut accelerations = if certain {
+        Accelerations::Loop
+    } else {
+        factor::accelerations(graph, n, &chosen.mass, &chosen.bias, &derived)
+    };
     let (mut stiffness, mut damping) = residual_jacobians(graph, n, &chosen.residual);
     let slopes = stiffness.iter().chain(&damping).map(|e| e.2).collect();
     let slopes = forms::gathered(graph, slopes, &chosen.residual);
@@ -235,6 +248,8 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let assignments = model.sets.iter().flat_map(|set| set.values.iter().map(|(_, value)| *value)).collect();
     let drawing = model.draw.iter().flat_map(drawn).collect();
 
+    let by_masses = (chosen.mass.as_slice(), chosen.bias.as_slice());
+    let elimination = eliminated.map(|found| found.choose(graph, by_masses, &mut accelerations));
     let reads = parts::reads(graph, &chosen.residual, &constraints, &switches, &model.events);
     let parts = parts::parts(n, reads.as_deref());
     let structure = structure::recognise(
@@ -277,6 +292,7 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
         bias: chosen.bias,
         constraints,
         accelerations,
+        elimination,
         residual: chosen.residual,
         stiffness,
         damping,
@@ -347,6 +363,7 @@ impl Program {
             bias: Vec::new(),
             constraints: Constraints::default(),
             accelerations: Accelerations::Unrolled { values: Vec::new(), pivots: Vec::new() },
+            elimination: None,
             residual: Vec::new(),
             stiffness: Vec::new(),
             damping: Vec::new(),

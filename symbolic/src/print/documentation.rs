@@ -18,6 +18,9 @@ pub fn tested(program: &Program) -> String {
         "Operations: M {}, h {}, M and h {}, accelerations {}, F {}, F with its Jacobians {}.\n{}.",
         c.mass, c.bias, c.mass_and_bias, c.accelerations, c.residual, c.jacobians, program.choice
     );
+    if let Some(elimination) = program.elimination.as_ref().filter(|found| found.order.is_some()) {
+        let _ = write!(text, "\n\n{}.", elimination.words());
+    }
     let report = &program.report;
     for agreement in &report.agreements {
         let ((first, second), states, worst) = (&agreement.between, agreement.states, agreement.worst);

@@ -30,6 +30,7 @@ pub fn page() -> String {
          multiplications, divisions, roots and functions of M and h, or of A and b, as generated. *Solve* counts what follows:\n\
          for M, LDLᵀ and two substitutions, zeros left out where they are written out; for A, which is not symmetric and may\n\
          need its rows exchanged, Gaussian elimination of the full matrix with partial pivoting and two substitutions.\n\
+         Where accelerations come by elimination over shared velocities (`docs/elimination.md`), M and h are not written.\n\
          *Non-zeros* are those of A. `check NAME` lists condition numbers, `simulate NAME --by all` compares runs, and\n\
          `cargo bench -p dalembert-models` times them.\n\n\
          Regenerate: `cargo run --release --example derivations -p dalembert-symbolic > docs/derivations.md`.\n",
@@ -63,7 +64,11 @@ fn lines(text: &mut String, name: &str, program: &Program) {
     let n = program.model.coordinates.len();
     let total = counts.accelerations;
     let write = counts.mass_and_bias;
-    let _ = writeln!(text, "| {name} | Lagrange | {n} | | {write} | {} | {total} | 1 |", total.saturating_sub(write));
+    let parts = match program.elimination.as_ref().and_then(|found| found.order) {
+        Some(_) => format!("elimination | {n} | | | "),
+        None => format!("Lagrange | {n} | | {write} | {}", total.saturating_sub(write)),
+    };
+    let _ = writeln!(text, "| {name} | {parts} | {total} | 1 |");
     for system in &program.momentum {
         let size = system.right.len();
         let solve = elimination(size);

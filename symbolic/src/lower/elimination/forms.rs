@@ -1,0 +1,222 @@
+//! Velocities as linear forms over the speeds and over shared velocities, which are kept as variables.
+
+use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
+
+use crate::derive::LeastConstraint;
+use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary, canonical_products, copied};
+
+/// Σ cⱼ xⱼ: variables with their coefficients, in order.  Variables below n are coordinates, the others kept ones.
+pub(super) type Form = Vec<(usize, Id)>;
+
+/// A form Σ wₖₗ yₖ yₗ / 2 + Σ gₖ yₖ + Σ hᵢ xᵢ with the y as linear forms.
+#[derive(Clone)]
+pub(super) struct Forms {
+    /// How many coordinates there are.
+    pub n: usize,
+    /// What each kept variable is.
+    pub kept: Vec<Form>,
+    /// (w, y, y) as in [`LeastConstraint::products`].
+    pub products: Vec<(Id, Form, Form)>,
+    /// Which body each product is of; each product of a written energy counts as one.
+    pub bodies: Vec<usize>,
+    /// (y, g).
+    pub linear: Vec<(Form, Id)>,
+    /// h.
+    pub forces: Vec<Id>,
+}
+
+impl Forms {
+    /// `None` where a velocity is not linear in the speeds, or an energy no sum of products of such.
+    pub fn of(graph: &mut Graph, n: usize, least: &LeastConstraint) -> Option<Forms> {
+        let mut products: Vec<(Id, Id, Id)> = least.products.iter().map(|p| (p.0, p.1, p.2)).collect();
+        let degrees = Degrees::of(graph, products.iter().flat_map(|p| [p.1, p.2]).chain([least.kinetic]));
+        quadratic(graph, &degrees, least.kinetic, &mut products)?;
+        let first = least.products.last().map_or(0, |p| p.3 + 1);
+        let bodies = least.products.iter().map(|p| p.3).chain(first..).take(products.len());
+        let (products, bodies): (Vec<(Id, Id, Id)>, Vec<usize>) = products
+            .into_iter()
+            .zip(bodies)
+            .filter(|((w, u, v), _)| [*w, *u, *v].iter().all(|x| *x != Id::ZERO))
+            .unzip();
+        let mut roots: Vec<Id> =
+            products.iter().flat_map(|p| [p.1, p.2]).chain(least.linear.iter().map(|l| l.0)).collect();
+        roots.sort_unstable();
+        roots.dedup();
+        let degrees = Degrees::of(graph, roots.iter().copied());
+        let shared = shared(graph, &degrees, &roots);
+        let mut forms: HashMap<Id, Form> = HashMap::default();
+        let mut kept = Vec::new();
+        for id in graph.needed(roots) {
+            match degrees.of_node(id) {
+                0 => continue,
+                1 => {}
+                _ => return None,
+            }
+            let mut form = linear_form(graph, &degrees, &forms, id);
+            if form.len() > 1 && shared.contains(&id) {
+                kept.push(form);
+                form = vec![(n + kept.len() - 1, Id::ONE)];
+            }
+            forms.insert(id, form);
+        }
+        let of = |id: &Id| forms.get(id).cloned().unwrap_or_default();
+        Some(Forms {
+            n,
+            products: products.iter().map(|(w, u, v)| doubled(graph, (*w, *u, *v), (of(u), of(v)))).collect(),
+            linear: least.linear.iter().map(|(y, g)| (of(y), *g)).collect(),
+            forces: least.forces.clone(),
+            kept,
+            bodies,
+        })
+    }
+
+    /// The same in a graph of its own; `in_order` with the factors of products without speeds before those with, so that what coefficients
+    /// and biases share is computed once.
+    pub fn moved(mut self, from: &Graph, in_order: bool) -> (Graph, Forms) {
+        let mut graph = Graph::new();
+        let mut places: Vec<&mut Id> = Vec::new();
+        let Forms { kept, products, linear, forces, .. } = &mut self;
+        places.extend(kept.iter_mut().flatten().map(|term| &mut term.1));
+        for (w, u, v) in products {
+            places.push(w);
+            places.extend(u.iter_mut().chain(v).map(|term| &mut term.1));
+        }
+        places.extend(linear.iter_mut().flat_map(|(form, g)| form.iter_mut().map(|term| &mut term.1).chain([g])));
+        places.extend(forces);
+        let old: Vec<Id> = places.iter().map(|id| **id).collect();
+        let mut new = copied(from, &old, &mut graph);
+        if in_order {
+            new = canonical_products(&mut graph, &new, |symbol| !matches!(symbol, Symbol::Speed(_)));
+        }
+        places.into_iter().zip(new).for_each(|(place, id)| *place = id);
+        (graph, self)
+    }
+
+    /// How many variables there are.
+    pub fn variables(&self) -> usize {
+        self.n + self.kept.len()
+    }
+}
+
+/// In the speeds: 0 for what contains none, 1 for what is affine, 2 for what is quadratic, 3 for all else.
+struct Degrees(HashMap<Id, u8>);
+
+/// The degree of what is no polynomial of degree 2 or less.
+const BEYOND: u8 = 3;
+
+impl Degrees {
+    fn of(graph: &Graph, roots: impl IntoIterator<Item = Id>) -> Degrees {
+        let mut degrees = Degrees(HashMap::default());
+        for id in graph.needed(roots) {
+            let of = |x: Id| degrees.of_node(x);
+            let degree = match graph.node(id) {
+                Node::Symbol(Symbol::Speed(_)) => 1,
+                Node::Number(_) | Node::Symbol(_) => 0,
+                Node::Unary(Unary::Neg, x) => of(x),
+                Node::Unary(_, x) => {
+                    if of(x) == 0 {
+                        0
+                    } else {
+                        BEYOND
+                    }
+                }
+                Node::Binary(Binary::Add | Binary::Sub, x, y) => of(x).max(of(y)),
+                Node::Binary(Binary::Mul, x, y) => (of(x) + of(y)).min(BEYOND),
+                Node::Binary(Binary::Div, x, y) if of(y) == 0 => of(x),
+                Node::Binary(_, x, y) => {
+                    if of(x) == 0 && of(y) == 0 {
+                        0
+                    } else {
+                        BEYOND
+                    }
+                }
+            };
+            degrees.0.insert(id, degree);
+        }
+        degrees
+    }
+
+    fn of_node(&self, id: Id) -> u8 {
+        self.0.get(&id).copied().unwrap_or(0)
+    }
+}
+
+/// An energy walked from its root to the products of two linear velocities, each with its coefficient.
+fn quadratic(graph: &mut Graph, degrees: &Degrees, energy: Id, products: &mut Vec<(Id, Id, Id)>) -> Option<()> {
+    let two = graph.integer(2);
+    // Parents have larger places than children, so taking the largest first visits each node once.
+    let mut open = std::collections::BTreeMap::from([(energy, Id::ONE)]);
+    while let Some((id, factor)) = open.pop_last() {
+        // What is linear or contains no speeds has no second derivative.
+        if degrees.of_node(id) < 2 {
+            continue;
+        }
+        let degree = |x: Id| degrees.of_node(x);
+        let parts = match graph.node(id) {
+            Node::Unary(Unary::Neg, x) => vec![(x, graph.neg(factor))],
+            Node::Binary(Binary::Add, x, y) => vec![(x, factor), (y, factor)],
+            Node::Binary(Binary::Sub, x, y) => vec![(x, factor), (y, graph.neg(factor))],
+            Node::Binary(Binary::Mul, x, y) if degree(x) == 0 => vec![(y, graph.mul(factor, x))],
+            Node::Binary(Binary::Mul, x, y) if degree(y) == 0 => vec![(x, graph.mul(factor, y))],
+            Node::Binary(Binary::Div, x, y) if degree(y) == 0 => vec![(x, graph.div(factor, y))],
+            Node::Binary(Binary::Mul, x, y) if degree(x) == 1 && degree(y) == 1 => {
+                products.push((if x == y { graph.mul(two, factor) } else { factor }, x, y));
+                continue;
+            }
+            _ => return None,
+        };
+        for (part, factor) in parts {
+            let known = open.get(&part).copied().unwrap_or(Id::ZERO);
+            open.insert(part, graph.add(known, factor));
+        }
+    }
+    Some(())
+}
+
+/// A product of two nodes with one form is a square, of twice the weight.
+fn doubled(graph: &mut Graph, (w, u, v): (Id, Id, Id), (first, second): (Form, Form)) -> (Id, Form, Form) {
+    let twice = u != v && first == second;
+    (if twice { graph.add(w, w) } else { w }, first, second)
+}
+
+/// The nodes that two others use, or another one beside being a velocity itself.
+fn shared(graph: &Graph, degrees: &Degrees, roots: &[Id]) -> HashSet<Id> {
+    let mut used: HashSet<Id> = roots.iter().copied().collect();
+    let mut shared = HashSet::default();
+    for id in graph.needed(roots.iter().copied()) {
+        for child in graph.children(id).filter(|child| degrees.of_node(*child) == 1) {
+            if !used.insert(child) {
+                shared.insert(child);
+            }
+        }
+    }
+    shared
+}
+
+/// The form of an affine node from those of its children; what is left without speeds does not change with accelerations.
+fn linear_form(graph: &mut Graph, degrees: &Degrees, forms: &HashMap<Id, Form>, id: Id) -> Form {
+    let of = |x: Id| forms.get(&x).map(Vec::as_slice).unwrap_or_default();
+    match graph.node(id) {
+        Node::Symbol(Symbol::Speed(i)) => vec![(i as usize, Id::ONE)],
+        Node::Unary(Unary::Neg, x) => of(x).iter().map(|(v, c)| (*v, graph.neg(*c))).collect(),
+        Node::Binary(Binary::Add, x, y) => merged(graph, of(x), of(y), Graph::add),
+        Node::Binary(Binary::Sub, x, y) => merged(graph, of(x), of(y), Graph::sub),
+        Node::Binary(Binary::Mul, x, y) if degrees.of_node(x) == 0 => scaled(graph, of(y), |g, c| g.mul(x, c)),
+        Node::Binary(Binary::Mul, x, y) => scaled(graph, of(x), |g, c| g.mul(y, c)),
+        Node::Binary(Binary::Div, x, y) => scaled(graph, of(x), |g, c| g.div(c, y)),
+        _ => Form::new(),
+    }
+}
+
+fn scaled(graph: &mut Graph, form: &[(usize, Id)], by: impl Fn(&mut Graph, Id) -> Id) -> Form {
+    form.iter().map(|(v, c)| (*v, by(graph, *c))).filter(|(_, c)| *c != Id::ZERO).collect()
+}
+
+fn merged(graph: &mut Graph, a: &[(usize, Id)], b: &[(usize, Id)], by: impl Fn(&mut Graph, Id, Id) -> Id) -> Form {
+    let mut sum: std::collections::BTreeMap<usize, (Id, Id)> = a.iter().map(|(v, c)| (*v, (*c, Id::ZERO))).collect();
+    for (v, c) in b {
+        sum.entry(*v).or_insert((Id::ZERO, Id::ZERO)).1 = *c;
+    }
+    let sums = sum.into_iter().map(|(v, (c, d))| (v, by(graph, c, d)));
+    sums.filter(|(_, c)| *c != Id::ZERO).collect()
+}
