@@ -2,7 +2,7 @@
 
 use super::certify::Sample;
 use crate::integrate::Segment;
-use crate::mechanism::{Action, At, Rated, System};
+use crate::mechanism::{Action, At, ContactEvent, Rated, System};
 
 /// Evaluates the watched functions: the events' first, then the switches' arguments.
 #[derive(Clone, Debug)]
@@ -89,9 +89,9 @@ impl Sampler {
         self.at_state(system, t, y);
         let before = self.value(event);
         // Which contacts stay closed is decided: one that does not leaves as its rate says.
-        let decided = || matches!(system.description().events[event].actions[..], [Action::Contact(_)]);
         let shows = hit && (self.rates[event] * step).abs() > STILL * largest;
-        if self.rated[event] == Rated::Whole && (shows || self.rates[event] > 0.0 && decided()) {
+        let parts = self.rates[event] > 0.0 && self.is_a_gap(system, event);
+        if self.rated[event] == Rated::Whole && (shows || parts) {
             // What was struck leaves as its rate says, however low it hops.
             return self.rates[event].signum();
         }
@@ -107,6 +107,13 @@ impl Sampler {
             }
         }
         0.0
+    }
+
+    /// Whether an event's function is the gap of a contact.
+    pub fn is_a_gap<S: System + ?Sized>(&self, system: &S, event: usize) -> bool {
+        let actions = &system.description().events[event].actions;
+        let [Action::Contact(contact)] = actions[..] else { return false };
+        system.contacts().all[contact as usize].happened(event) == Some(ContactEvent::Lands)
     }
 
     /// By how much an event's function would change in a step, seen a little ahead.

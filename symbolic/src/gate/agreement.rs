@@ -43,7 +43,7 @@ pub(super) fn agreement(
                 }
             })
         };
-        let worst = compare(model, (&pairs, &name), states, gate)?;
+        let worst = compare(model, (&pairs, &name, &|_, _| true), states, gate)?;
         if k > 0 {
             let between = (equations[0].name.to_owned(), route.name.to_owned());
             agreements.push(Agreement { between, states: states.len(), worst });
@@ -79,7 +79,12 @@ pub(super) fn rows(model: &mut Model, rows: &Rows, states: &[State], gate: Gate)
     };
     // Off the constraints' speeds, where c' does not vanish.
     let states: Vec<State> = states.iter().enumerate().map(|(k, state)| astray(state, k)).collect();
-    compare(model, (&pairs, &name), &states, gate)
+    // A constraint that does not act may be undefined, as the distance of points that meet.
+    let acts = |k: usize, state: &State| {
+        let active = model.phases.get(state.phase).map_or_else(Vec::new, |phase| model.rows_of(phase));
+        if k < count { active.contains(&k) } else { active.len() == count }
+    };
+    compare(model, (&pairs, &name, &acts), &states, gate)
 }
 
 /// A state with other speeds.
@@ -136,7 +141,7 @@ type Pair = (usize, Id, Id);
 /// The largest relative difference of pairs that stand for the same row, or the first that differs.
 fn compare(
     model: &Model,
-    (pairs, name): (&[Pair], &dyn Fn(usize) -> (Place, String)),
+    (pairs, name, acts): (&[Pair], &dyn Fn(usize) -> (Place, String), &dyn Fn(usize, &State) -> bool),
     states: &[State],
     gate: Gate,
 ) -> Result<f64, Box<Problem>> {
@@ -160,6 +165,9 @@ fn compare(
         for ((i, ..), (x, y)) in differing.iter().zip(&rows) {
             let own = x.magnitude + y.magnitude;
             let difference = (x.value - y.value).abs().to_f64();
+            if difference.is_nan() && !acts(*i, state) {
+                continue;
+            }
             if !gate.agrees(difference, own, largest) {
                 let (place, what) = name(*i);
                 let by = format!("{difference:.3e}");
