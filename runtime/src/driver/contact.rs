@@ -69,11 +69,15 @@ impl Integration {
         place.and_then(|place| system.restitutions().get(place as usize).copied()).unwrap_or(0.0)
     }
 
-    /// Of each contact the rate of approach after which it rests: its hop would be lost in rounding.
+    /// Of each contact the rate of approach after which it rests: its hop would be lost in the rounding of its gap, or beside the largest gap
+    /// that there was.
     fn slow(&self, system: &dyn System, scales: &[f64]) -> Vec<f64> {
-        let hops = self.low_hops(system, scales);
-        let slow = |row: u32| hops.get(row as usize).filter(|hop| hop.back < 0.0).map_or(0.0, |hop| LOWER * hop.rate);
-        system.contacts().all.iter().map(|contact| contact.normal.map_or(0.0, slow)).collect()
+        let (here, ever) = (self.low_hops(system, &[]), self.low_hops(system, scales));
+        let falls = |row: u32| {
+            let hops = here.get(row as usize).zip(ever.get(row as usize)).filter(|(here, _)| here.back < 0.0);
+            hops.map_or(0.0, |(here, ever)| here.rate.max(LOWER * ever.rate))
+        };
+        system.contacts().all.iter().map(|contact| contact.normal.map_or(0.0, falls)).collect()
     }
 
     /// The largest Σ |terms| that the constraints' rows have had, here included.
