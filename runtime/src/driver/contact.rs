@@ -69,15 +69,27 @@ impl Integration {
         place.and_then(|place| system.restitutions().get(place as usize).copied()).unwrap_or(0.0)
     }
 
-    /// Of each contact the rate of approach after which it rests: its hop would be lost in the rounding of its gap, or beside the largest gap
-    /// that there was.
-    fn slow(&self, system: &dyn System, scales: &[f64]) -> Vec<f64> {
-        let (here, ever) = (self.low_hops(system, &[]), self.low_hops(system, scales));
-        let falls = |row: u32| {
-            let hops = here.get(row as usize).zip(ever.get(row as usize)).filter(|(here, _)| here.back < 0.0);
-            hops.map_or(0.0, |(here, ever)| here.rate.max(LOWER * ever.rate))
-        };
-        system.contacts().all.iter().map(|contact| contact.normal.map_or(0.0, falls)).collect()
+    /// Of each contact the rate of approach after which it rests, and with which it does not leave: its hop would be lost in the rounding of its
+    /// gap, or beside the largest gap that there was.
+    fn slow(&self, system: &mut dyn System, scales: &[f64]) -> Vec<f64> {
+        let (phase, contacts) = (system.phase(), system.contacts().all.clone());
+        let modes = system.contacts().modes(phase);
+        let mut slow = Vec::with_capacity(contacts.len());
+        for (k, contact) in contacts.iter().enumerate() {
+            // What brings back one that is closed shows where it is open.
+            let mut open = modes.clone();
+            open[k] = contact.modes()[0];
+            let without = system.contacts().phase(&open);
+            system.set_phase(without);
+            let (here, ever) = (self.low_hops(system, &[]), self.low_hops(system, scales));
+            let falls = |row: u32| {
+                let hops = here.get(row as usize).zip(ever.get(row as usize)).filter(|(here, _)| here.back < 0.0);
+                hops.map_or(0.0, |(here, ever)| here.rate.max(LOWER * ever.rate))
+            };
+            slow.push(contact.normal.map_or(0.0, falls));
+        }
+        system.set_phase(phase);
+        slow
     }
 
     /// The largest Σ |terms| that the constraints' rows have had, here included.

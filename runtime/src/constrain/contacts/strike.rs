@@ -14,8 +14,8 @@ use crate::mechanism::{At, ContactMode, ImpactLaw, System};
 
 /// A rate or an impulse below this part of the largest is zero.
 const NOTHING: f64 = 1e-10;
-/// Outcomes that differ by less than this part of the largest speed are one.
-const ALIKE: f64 = 1e-9;
+/// Outcomes that differ by less than this part of the largest speed are one: they agree with the laws within [`NOTHING`] each.
+const ALIKE: f64 = 1e-7;
 /// So many impacts one after the other at an instant do not come to an end.
 const MOST_IMPACTS: usize = 200;
 
@@ -281,7 +281,10 @@ impl Collision {
         for (side, mode) in self.sides.iter().zip(modes) {
             let sliding = mode.sliding();
             if let Some(tangent) = side.tangent {
-                base[tangent] -= sliding * side.friction[0] * given[side.normal];
+                // What is given back rubs, too, where nothing is added to it.
+                let slides = rates[tangent].abs() > NOTHING * self.scale(rates);
+                let direction = if !mode.touches() && slides { rates[tangent].signum() } else { sliding };
+                base[tangent] -= direction * side.friction[0] * given[side.normal];
             }
             if !mode.touches() {
                 continue;
