@@ -173,9 +173,10 @@ fn judge(program: &Program) -> BTreeSet<String> {
     assert!(judge.faults.is_empty(), "{}: {:?}", model.name, judge.faults);
     let locks = !model.gimbals().is_empty();
     let held = !(model.memory.is_empty() && model.clocks.is_empty() && model.sets.is_empty());
-    // A `use` and a `static` of the description, one `static` of the locks, both of the motions and of what is held.
+    // A `use` and a `static` of the description, one `static` of the locks, both of the motions, of what is held and of contacts.
     let mut nested = vec!["description"; 2 + usize::from(locks) + if model.motions.is_empty() { 0 } else { 2 }];
     nested.extend(if held { &["description"; 2][..] } else { &[] });
+    nested.extend(if model.contacts.is_empty() { &[] } else { &["description"; 2][..] });
     nested.extend(model.all_scenes().filter(|scene| !scene.memory.is_empty()).map(|_| "values"));
     nested.extend((!model.clocks.is_empty()).then_some("values"));
     let methods: Vec<String> =

@@ -39,8 +39,9 @@ impl Integration {
         let moment = Moment { t: now, y: &y, scales: &scales, step: self.h };
         let phase = settle(system, &moment, change)?;
         system.set_phase(before);
-        if phase == before && struck.is_none() {
-            return Ok(nothing);
+        if phase == before && struck.as_ref().is_none_or(Strike::is_empty) {
+            // A gap that closed and opens again is looked at anew.
+            return Ok(Done { acts: what == ContactEvent::Lands, strikes: false });
         }
         let entered = self.enter(system, phase, &[], recorder)?;
         Ok(Done { acts: true, strikes: entered || struck.is_some() })

@@ -89,9 +89,11 @@ impl Sampler {
         self.at_state(system, t, y);
         let before = self.value(event);
         // Which contacts stay closed is decided: one that does not leaves as its rate says.
-        let shows = hit && (self.rates[event] * step).abs() > STILL * largest;
-        let parts = self.rates[event] > 0.0 && self.is_a_gap(system, event);
-        if self.rated[event] == Rated::Whole && (shows || parts) {
+        if let Some(terms) = self.terms_of_gap(system, event, (t, y)) {
+            // What does not approach was decided to open.
+            return if self.rates[event] * step < -STILL * largest.max(terms) { -1.0 } else { 1.0 };
+        }
+        if hit && self.rated[event] == Rated::Whole && (self.rates[event] * step).abs() > STILL * largest {
             // What was struck leaves as its rate says, however low it hops.
             return self.rates[event].signum();
         }
@@ -109,11 +111,12 @@ impl Sampler {
         0.0
     }
 
-    /// Whether an event's function is the gap of a contact.
-    pub fn is_a_gap<S: System + ?Sized>(&self, system: &S, event: usize) -> bool {
-        let actions = &system.description().events[event].actions;
-        let [Action::Contact(contact)] = actions[..] else { return false };
-        system.contacts().all[contact as usize].happened(event) == Some(ContactEvent::Lands)
+    /// Σ |terms| of an event's function, where it is the gap of a contact.
+    pub fn terms_of_gap<S: System + ?Sized>(&self, system: &S, event: usize, (t, y): (f64, &[f64])) -> Option<f64> {
+        let row = row_of_gap(system, event)?;
+        let mut triples = vec![0.0; 3 * system.description().rows.len()];
+        system.constraints(At::packed(t, y, self.n), &mut triples);
+        Some(triples[3 * row + 2])
     }
 
     /// By how much an event's function would change in a step, seen a little ahead.
@@ -418,4 +421,12 @@ impl Sampler {
             system.switches(at, switches);
         }
     }
+}
+
+/// The row of the gap that is an event's function.
+fn row_of_gap<S: System + ?Sized>(system: &S, event: usize) -> Option<usize> {
+    let [Action::Contact(contact)] = system.description().events[event].actions[..] else { return None };
+    let contact = &system.contacts().all[contact as usize];
+    let lands = contact.happened(event) == Some(ContactEvent::Lands);
+    contact.normal.filter(|_| lands).map(|row| row as usize)
 }

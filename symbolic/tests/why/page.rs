@@ -20,13 +20,14 @@ Regenerate: `cargo run --example why -p dalembert-symbolic > docs/why-it-did-not
 ";
 
 /// The subjects of the catalogue, in its order.
-const SUBJECTS: [&str; 10] = [
+const SUBJECTS: [&str; 11] = [
     "YAML",
     "Expressions, keys and units",
     "Names, sizes and indices",
     "Units",
     "States of first order",
     "Held values",
+    "Friction and contacts",
     "The shape of a file",
     "Mechanics",
     "What deriving and testing at random states finds",

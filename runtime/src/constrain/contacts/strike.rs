@@ -40,6 +40,11 @@ pub(super) struct After {
 }
 
 impl Strike {
+    /// Whether it changes no speed.
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
     /// Whether all that pushes keeps its speed 0 afterwards: the jump is the projection of the speeds onto that.
     pub fn is_plastic(&self) -> bool {
         self.plastic
@@ -99,8 +104,9 @@ pub(crate) fn strike(system: &mut dyn System, moment: &Moment<'_>, slow: &[f64])
             if collision.sides.len() > 1 {
                 let sequential = collision.by(system, ImpactLaw::Sequential)?;
                 let (one, other) = (&collision.response * &sequential, &collision.response * &together);
-                if (&one - &other).amax() > ALIKE * one.amax().max(other.amax()) {
-                    let n = system.len();
+                let n = system.len();
+                let fastest = y[n..2 * n].iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+                if (&one - &other).amax() > ALIKE * one.amax().max(other.amax()).max(fastest) {
                     let after = |jump: &DVector<f64>| (0..n).map(|i| y[n + i] + jump[i]).collect();
                     let contacts =
                         collision.sides.iter().map(|side| system.contacts().all[side.contact].name.to_string());

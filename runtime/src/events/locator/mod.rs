@@ -78,7 +78,7 @@ const SEVERAL: u32 = 8;
 const AT_ONCE: f64 = 1e-9;
 /// An event's function is at its zero where it is this part of the largest it had.
 const ON: f64 = 1e-10;
-/// The gap of a contact is closed where it is this part of the largest that it had: what is less than [`ON`] open, and closes, lands.
+/// The gap of a contact is closed where it is this part of the largest that it had, or of the sum of its terms: what is less than [`ON`] open, and closes, lands.
 const CLOSED: f64 = 1e-13;
 /// A switch that rests has left its surface when its argument is this part of the largest it had.
 const REST: f64 = 1e-12;
@@ -435,9 +435,12 @@ impl EventLocator {
             };
             self.sampler.at_state(system, t, y);
             let value = self.sampler.value(function);
-            let near = if self.sampler.is_a_gap(system, function) { CLOSED } else { ON };
+            let near = match self.sampler.terms_of_gap(system, function, (t, y)) {
+                Some(terms) => CLOSED * seen.max(variation).max(terms),
+                None => ON * seen.max(variation),
+            };
             let on = value.is_nan()
-                || value.abs() <= near * seen.max(variation)
+                || value.abs() <= near
                 || value.abs() <= self.sampler.rounding_at(system, function, (t, y));
             self.scanner.sides[function] = if on { 0.0 } else { value.signum() };
             self.scanner.fresh[function] = true;

@@ -159,7 +159,7 @@ impl System for Interpreted {
     }
 
     fn accelerations(&self, at: At<'_>, a: &mut [f64]) -> Result<(), Singular> {
-        if let Some(unknowns) = self.unknowns(at) {
+        if let Some(unknowns) = self.unknowns(at).filter(|_| !self.phased.is_determined(self)) {
             a.copy_from_slice(&unknowns?[..a.len()]);
             return Ok(());
         }

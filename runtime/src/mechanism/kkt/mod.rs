@@ -57,6 +57,12 @@ pub(crate) struct KktSolver {
     right: Vec<f64>,
     found: Vec<f64>,
     values: Vec<f64>,
+    /// Which accelerations the rows determine by themselves.
+    known: Vec<bool>,
+    /// J of as many rows as there are coordinates, and which of them were exchanged.
+    square: Vec<f64>,
+    exchanged: Vec<usize>,
+    determined: Vec<f64>,
     /// Active rows in the order of their pivots; those beyond `rank` are left out.
     order: Vec<usize>,
     rank: usize,
