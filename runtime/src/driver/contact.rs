@@ -11,6 +11,9 @@ use crate::run::Recorder;
 /// end are known before.
 const LOWER: f64 = 0.25;
 
+/// The next step where a gap that closed opens again at once, beside the last one.
+const SHORTER: f64 = 0.1;
+
 impl Integration {
     /// Decides what all contacts do where an event of one of them happened.
     pub(super) fn change_contact(
@@ -40,8 +43,10 @@ impl Integration {
         let phase = settle(system, &moment, change)?;
         system.set_phase(before);
         if phase == before && struck.as_ref().is_none_or(Strike::is_empty) {
-            // A gap that closed and opens again is looked at anew.
-            return Ok(Done { acts: what == ContactEvent::Lands, strikes: false });
+            // A gap that closed and opens again at once is looked at anew, in a shorter step, in which a low hop shows.
+            let opens = what == ContactEvent::Lands;
+            self.h *= if opens { SHORTER } else { 1.0 };
+            return Ok(Done { acts: opens, strikes: false });
         }
         let entered = self.enter(system, phase, &[], recorder)?;
         Ok(Done { acts: true, strikes: entered || struck.is_some() })
