@@ -49,6 +49,7 @@ const FUNCTIONS: &[&str] = &[
     "assignments",
     "scene_memory",
     "clock_numbers",
+    "contacts",
     "scene_parameters",
     "scene_numbers",
     "scene",
@@ -240,6 +241,7 @@ fn judge(program: &Program) -> BTreeSet<String> {
     let meant = meant.filter(|name| **name != "gimbals" || locks);
     let stands = |name: &str| match name {
         "sampling" => held,
+        "contacts" => !model.contacts.is_empty(),
         "assignments" => !program.assignments.is_empty(),
         "scene_memory" => !model.memory.is_empty(),
         "clock_numbers" => !model.clocks.is_empty(),

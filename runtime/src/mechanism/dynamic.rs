@@ -272,7 +272,7 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
     }
 
     fn accelerations(&self, at: At<'_>, a: &mut [f64]) -> Result<(), Singular> {
-        if let Some(system) = self.derivation.filter(|_| !self.phased.is_determined(self)) {
+        if let Some(system) = self.derivation.filter(|balances| !self.phased.is_determined(self, *balances)) {
             return self.by_balances(system, at, |unknowns| a.copy_from_slice(&unknowns[..N]));
         }
         if C > 0 && !self.active_rows().is_empty() {

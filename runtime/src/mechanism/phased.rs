@@ -56,10 +56,13 @@ impl Phased {
         self.form.lock().unwrap_or_else(PoisonError::into_inner).rates(system, at, a, lambda).unwrap_or(false)
     }
 
-    /// Whether the constraints alone determine the accelerations: then these come from them, free of the rounding of forces.
-    pub fn is_determined<S: System + ?Sized>(&self, system: &S) -> bool {
-        let phase = system.description().phases.get(self.phase);
-        phase.is_some_and(|phase| phase.rank as usize >= system.len())
+    /// Whether the constraints alone determine the accelerations in a phase to which these balances belong: then they come from the
+    /// constraints, free of the rounding of forces.
+    pub fn is_determined<S: System + ?Sized>(&self, system: &S, balances: usize) -> bool {
+        let description = system.description();
+        let belongs = description.balances.get(balances).is_some_and(|of| of.phases.contains(&(self.phase as u32)));
+        let phase = description.phases.get(self.phase);
+        belongs && phase.is_some_and(|phase| phase.rank as usize >= system.len())
     }
 
     /// Accelerations and multipliers; where rows depend on each other the least multipliers.

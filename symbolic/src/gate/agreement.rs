@@ -135,13 +135,18 @@ fn entries(first: &Equations, second: &Equations) -> Vec<(usize, Id, Id)> {
     places.into_iter().map(|at| (at.0, value(&first, at), value(&second, at))).collect()
 }
 
+/// What a row is called, and where it stands.
+type Naming<'a> = &'a dyn Fn(usize) -> (Place, String);
+/// Whether a row must be defined at a state.
+type Judged<'a> = &'a dyn Fn(usize, &State) -> bool;
+
 /// What a difference belongs to, and the two expressions that should be one.
 type Pair = (usize, Id, Id);
 
 /// The largest relative difference of pairs that stand for the same row, or the first that differs.
 fn compare(
     model: &Model,
-    (pairs, name, acts): (&[Pair], &dyn Fn(usize) -> (Place, String), &dyn Fn(usize, &State) -> bool),
+    (pairs, name, acts): (&[Pair], Naming<'_>, Judged<'_>),
     states: &[State],
     gate: Gate,
 ) -> Result<f64, Box<Problem>> {

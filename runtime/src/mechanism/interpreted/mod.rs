@@ -159,7 +159,8 @@ impl System for Interpreted {
     }
 
     fn accelerations(&self, at: At<'_>, a: &mut [f64]) -> Result<(), Singular> {
-        if let Some(unknowns) = self.unknowns(at).filter(|_| !self.phased.is_determined(self)) {
+        let determined = self.derivation.is_some_and(|balances| self.phased.is_determined(self, balances));
+        if let Some(unknowns) = if determined { None } else { self.unknowns(at) } {
             a.copy_from_slice(&unknowns?[..a.len()]);
             return Ok(());
         }
