@@ -269,8 +269,7 @@ fn contacts_are_known_by_name() {
     assert_eq!(contacts.all.iter().map(|contact| &*contact.name).collect::<Vec<_>>(), ["floor", "one", "two"]);
     assert_eq!(contacts.modes(5), [ContactMode::Closed, ContactMode::Open, ContactMode::Closed]);
     assert_eq!(system.description().phases[5].name, "floor closed, one open, two closed");
-    let mut balls = Balls::default();
-    balls.e = 2.0;
+    let balls = Balls { e: 2.0, ..Balls::default() };
     let Err(Error::Run(failure)) = balls.simulate().run() else { panic!("a restitution of 2") };
     assert!(matches!(failure.cause, Cause::BadRestitution { .. }), "{}", failure.cause);
 }
