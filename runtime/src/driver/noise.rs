@@ -98,7 +98,8 @@ impl Integration {
     }
 }
 
-/// |M⁻¹ u m| for magnitudes of equal and of alternating signs, the larger of both; `None` where M has no inverse.
+/// |M⁻¹ u m| for magnitudes of equal and of alternating signs, the larger of both; `None` where M has no inverse.  The reactions of
+/// constraints are terms as the others are: m has |J|ᵀ |λ| and |B| |λ|.
 ///
 /// What an input is made of is not known: it counts as made of terms as large as it is at any time from here to `until`, before which
 /// time changes no discontinuity.
@@ -114,6 +115,7 @@ pub(super) fn by_terms(system: &dyn System, at: At<'_>, until: f64) -> Option<Ve
     for ((row, input), slope) in inputs.iter().zip(&by_input) {
         sums[*row as usize] += slope.abs() * largest[*input as usize];
     }
+    add_reactions(system, at, &mut sums);
     let mut noise = vec![0.0_f64; n];
     for other in [1.0, -1.0] {
         let mut packed = vec![0.0; n * (n + 1) / 2];
@@ -129,6 +131,28 @@ pub(super) fn by_terms(system: &dyn System, at: At<'_>, until: f64) -> Option<Ve
         }
     }
     noise.iter().all(|noise| noise.is_finite()).then_some(noise)
+}
+
+/// Adds what the reactions of constraints are made of to the magnitudes of the equations' terms.
+fn add_reactions(system: &dyn System, at: At<'_>, sums: &mut [f64]) {
+    let description = system.description();
+    if description.rows.is_empty() {
+        return;
+    }
+    let (mut a, mut lambda) = (vec![0.0; sums.len()], vec![0.0; description.rows.len()]);
+    if system.accelerations_and_multipliers(at, &mut a, &mut lambda).is_err() {
+        return;
+    }
+    let mut values = vec![0.0; description.constraint_pattern.len()];
+    system.constraint_matrix(at, &mut values);
+    for ((row, coordinate), value) in description.constraint_pattern.iter().zip(&values) {
+        sums[*coordinate as usize] += (value * lambda[*row as usize]).abs();
+    }
+    let mut values = vec![0.0; description.friction_pattern.len()];
+    system.friction(at, &mut values);
+    for ((coordinate, row), value) in description.friction_pattern.iter().zip(&values) {
+        sums[*coordinate as usize] += (value * lambda[*row as usize]).abs();
+    }
 }
 
 /// The largest sizes of (u, u', u'') of each input that samples find between t and `until`: evenly spaced ones, and
