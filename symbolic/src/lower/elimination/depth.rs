@@ -78,8 +78,8 @@ const WAITING: f64 = 0.24;
 /// and of an operation beside those that wait.
 const BESIDE: f64 = 0.045;
 
-/// Nanoseconds that straight-line code for these roots takes about, fitted to the times of chains, trees and chains in space of 2 to 40 links
-/// (`docs/elimination.md`): sines, and whichever is longer, all operations or their longest chain.
+/// Nanoseconds that straight-line code for these roots takes about, fitted to measured times of chains, trees and chains in space of 2 to 40
+/// links: sines, and whichever is longer, all operations or their longest chain.
 pub(super) fn time(graph: &Graph, roots: &[Id]) -> f64 {
     let mut depths = Depths::default();
     let longest = roots.iter().map(|root| depths.of(graph, *root)).max().unwrap_or(0);

@@ -147,7 +147,7 @@ fn accelerations_of_long_chains_have_their_digits() {
     }
 }
 
-/// Masses 1, 10⁻⁶, 1, …; a chain folded onto itself, and one that hangs straight.
+/// Masses 1, 10⁻⁶, 1, …; a heavy end; a chain that hangs nearly straight.
 #[test]
 fn hard_chains_have_their_digits() {
     let index = |name: &str| name.trim_end_matches(']').split_once('[').and_then(|(_, k)| k.parse::<i32>().ok());

@@ -27,10 +27,11 @@ use crate::mechanism::{Action, Along, System, Target, Trigger, rate_name};
 
 /// An eigenvalue with this part of a half turn a period, or more, may be one of a faster motion.
 const ALIASED: f64 = 0.9;
-/// Periods are looked at from this part of the present ones on, at which a loop is as good as continuous, up to this many times them, each longer than
-/// the one before by so little that an eigenvalue seldom passes |z| = 1 and comes back between two of them.
+/// Periods are looked at from this part of the present ones on, at which a loop is as good as continuous.
 const SHORTEST_PERIOD: f64 = 1e-3;
+/// Up to so many times the present ones: nobody samples a loop so much less often than it was made for.
 const LONGEST_PERIOD: f64 = 1e4;
+/// Each is so many times the one before: an eigenvalue seldom passes |z| = 1 and comes back between two of them.
 const NEXT_PERIOD: f64 = 1.01;
 /// Eigenvalues this near to 1 are those of what stays where it is, whatever the period.
 const NEUTRAL: f64 = 1e-9;
@@ -97,10 +98,11 @@ impl SampledLoop {
 /// events: {tick: {every: 0.5 s, then: {set: {u: -k*x}}}}
 /// "#);
 /// let cart = Dynamic::new(Cart::default());
-/// let sampled = linearise_sampled(&cart, &Guess::at(&[0.1]), &[0.0]).unwrap();
+/// let sampled = linearise_sampled(&cart, &Guess::at(&[0.1]), &[0.0])?;
 /// // x'' = -k x(tick): the map has determinant 1 + k T²/2 = 1.5 and trace 2 - k T²/2 = 1.5.
 /// let product = sampled.multipliers[0] * sampled.multipliers[1];
 /// assert!((product.re - 1.5).abs() < 1e-14 && !sampled.is_stable());
+/// # Ok::<(), dalembert::linear::LinearError>(())
 /// ```
 ///
 /// # Errors
