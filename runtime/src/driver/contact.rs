@@ -3,8 +3,9 @@
 use super::Integration;
 use super::phase::Done;
 use crate::cause::Cause;
-use crate::constrain::{Change, Moment, Strike, VelocityJump, settle, strike};
-use crate::mechanism::{ContactEvent, System};
+use crate::constrain::{Change, Kinematics, Moment, Strike, VelocityJump, kinematics, settle, strike};
+use crate::events::{Log, begin_at};
+use crate::mechanism::{At, ContactEvent, System};
 use crate::run::Recorder;
 
 /// Beside the largest gap that there was hops are lost that are lower by the square of this: so low that times at which geometric series of hops
@@ -52,14 +53,65 @@ impl Integration {
         Ok(Done { acts: true, strikes: entered || struck.is_some() })
     }
 
+    /// How the sides of all contacts are placed and move at the present state.
+    pub fn kinematics(&self, system: &dyn System) -> Vec<Kinematics> {
+        kinematics(system, At::packed(self.clock.now(), self.stepper.start().y, system.len()))
+    }
+
+    /// Decides what all contacts do after a change by hand, before which their sides were placed and moved like this.
+    pub fn changed_by_hand(
+        &mut self,
+        system: &mut dyn System,
+        before: &[Kinematics],
+        recorder: &mut Recorder,
+    ) -> Result<(), Box<Cause>> {
+        if !before.is_empty() {
+            begin_at(system, self.clock.now(), self.stepper.start().y);
+            self.settle_contacts(system, before, recorder)?;
+        }
+        Ok(())
+    }
+
+    /// Decides what all contacts do where forces jumped without an event of theirs, and maybe gaps and rates, which were these; true where
+    /// any does something else from here on.
+    pub(super) fn settle_contacts(
+        &mut self,
+        system: &mut dyn System,
+        before: &[Kinematics],
+        recorder: &mut Recorder,
+    ) -> Result<bool, Box<Cause>> {
+        if before.is_empty() {
+            return Ok(false);
+        }
+        let scales = self.scales(system);
+        let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
+        let phase = system.phase();
+        let moment = Moment { t: now, y: &y, scales: &scales, step: self.h };
+        let next = settle(system, &moment, Change::Jump(before))?;
+        system.set_phase(phase);
+        if next == phase {
+            return Ok(false);
+        }
+        let (contacts, now_placed) = (system.contacts(), self.kinematics(system));
+        let modes = contacts.modes(phase).into_iter().zip(contacts.modes(next));
+        for ((contact, (from, to)), placed) in contacts.all.iter().zip(modes).zip(now_placed) {
+            // What approaches lands next, and does not lift.
+            let happens = ContactEvent::between(from, to).filter(|_| placed.gap_rate >= 0.0);
+            if let Some(event) = happens.and_then(|happens| contact.event(happens)) {
+                recorder.event(system, event, now, &y, false);
+            }
+        }
+        self.enter(system, next, &[], recorder)?;
+        Ok(true)
+    }
+
     /// Refuses a motion in which the sides of a contact pass through each other: its event was not seen.
     pub(super) fn look_at_contacts(&mut self, system: &dyn System) -> Result<(), Box<Cause>> {
         if system.contacts().all.is_empty() {
             return Ok(());
         }
-        let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
         let Some(projection) = &mut self.projection else { return Ok(()) };
-        projection.observe(system, now, &y);
+        projection.observe(system, self.clock.now(), self.stepper.start().y);
         for contact in system.contacts().all.iter() {
             let depth = contact.normal.and_then(|row| projection.misses(row as usize)).filter(|gap| *gap < 0.0);
             if let Some(gap) = depth {
@@ -100,9 +152,8 @@ impl Integration {
 
     /// The largest Σ |terms| that the constraints' rows have had, here included.
     fn scales(&mut self, system: &dyn System) -> Vec<f64> {
-        let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
         let Some(projection) = &mut self.projection else { return Vec::new() };
-        projection.observe(system, now, &y);
+        projection.observe(system, self.clock.now(), self.stepper.start().y);
         projection.scales().to_vec()
     }
 

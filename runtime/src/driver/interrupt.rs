@@ -3,6 +3,7 @@
 use super::plan::UNEVEN;
 use super::{Integration, Step, StepPolicy, StopReason, finite};
 use crate::cause::Cause;
+use crate::constrain::Kinematics;
 use crate::events::{Crossing, EventLocator, Interruption, Switched};
 use crate::mechanism::{Action, System};
 use crate::run::Recorder;
@@ -51,8 +52,9 @@ impl Integration {
             Interruption::Leaves { switch, side } => {
                 recorder.leave(system, self.clock.now(), self.stepper.start());
                 let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
+                let kinematics = self.kinematics(system);
                 locator.leave(system, (switch, side), (now, &y), &mut |system| self.trial(system))?;
-                self.restart(system, recorder)?;
+                self.forces_jumped(system, &kinematics, locator, recorder)?;
                 return Ok(Outcome::Kept(StopReason::Arrived));
             }
         };
@@ -155,6 +157,7 @@ impl Integration {
     ) -> Result<bool, Box<Cause>> {
         let (now, n) = (self.clock.now(), system.len());
         let y = self.stepper.start().y.to_vec();
+        let kinematics = self.kinematics(system);
         let switched = locator.switch(system, (now, &y), &mut |system| self.trial(system))?;
         let Switched { any, resume, impulse } = switched;
         if !any {
@@ -176,8 +179,25 @@ impl Integration {
         if let Some(projection) = &mut self.projection {
             projection.observe(system, resume, self.stepper.start().y);
         }
-        self.restart(system, recorder)?;
+        self.forces_jumped(system, &kinematics, locator, recorder)?;
         Ok(true)
+    }
+
+    /// Goes on after a jump of forces, and maybe of speeds, that leaves contacts as they are or not; these were their gaps and rates.
+    fn forces_jumped(
+        &mut self,
+        system: &mut dyn System,
+        kinematics: &[Kinematics],
+        locator: &mut EventLocator,
+        recorder: &mut Recorder,
+    ) -> Result<(), Box<Cause>> {
+        if self.settle_contacts(system, kinematics, recorder)? {
+            let fired = self.already_past(system, (true, true), locator, recorder)?;
+            if !fired.is_empty() {
+                return self.act(system, fired, locator, recorder).map(|_| ());
+            }
+        }
+        self.restart(system, recorder)
     }
 
     /// Steps again, as far as the zero of a watched function at about θ of the step that was tried, and tells the error;

@@ -3,7 +3,7 @@
 use super::set::Assigned;
 use super::{Integration, StopReason};
 use crate::cause::Cause;
-use crate::constrain::{VelocityJump, possible_restitution, velocity_jump};
+use crate::constrain::{VelocityJump, lasting_rows, possible_restitution, velocity_jump};
 use crate::events::{EventLocator, Fired, Impulse};
 use crate::mechanism::{Action, At, Enforcement, System};
 use crate::run::{Recorder, SpeedJump};
@@ -160,9 +160,12 @@ impl Integration {
                 return Ok(stop_reason);
             }
             idle = false;
-            if assigned.any && !changed {
+            if assigned.any {
                 let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
                 locator.reassigned(system, (now, &y), &watched, &mut |system| self.trial(system))?;
+                // Places and rates do not depend on what is set.
+                let kinematics = self.kinematics(system);
+                changed |= self.settle_contacts(system, &kinematics, recorder)?;
             }
             if stops {
                 self.project_start(system)?;
@@ -171,15 +174,8 @@ impl Integration {
             }
             fired.clear();
             if changed {
-                let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
-                self.project_start(system)?;
-                locator.enter(system, (now, &y), hit, &mut |system| self.trial(system))?;
                 let entered = system.phase() != before || enters;
-                fired = locator.already_past(system, (now, self.stepper.start().y), entered);
-                for Fired { event, actions, .. } in &fired {
-                    let stops = actions.contains(&Action::Stop);
-                    locator.log(system, *event, (now, self.stepper.start().y), stops, recorder);
-                }
+                fired = self.already_past(system, (entered, hit), locator, recorder)?;
             }
             fired.extend(self.consequences(system, &assigned, locator));
             if fired.is_empty() {
@@ -189,6 +185,26 @@ impl Integration {
         }
         let event = fired.first().map_or(0, |fired| fired.event);
         Err(Cause::Chattering { switch: system.description().events[event].name.to_string() }.into())
+    }
+
+    /// Looks anew at everything after speeds were `hit`, or the phase changed, as it did where one was `entered`; what events are past their
+    /// zero there.
+    pub(super) fn already_past(
+        &mut self,
+        system: &mut dyn System,
+        (entered, hit): (bool, bool),
+        locator: &mut EventLocator,
+        recorder: &mut Recorder,
+    ) -> Result<Vec<Fired>, Box<Cause>> {
+        let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
+        self.project_start(system)?;
+        locator.enter(system, (now, &y), hit, &mut |system| self.trial(system))?;
+        let fired = locator.already_past(system, (now, self.stepper.start().y), entered);
+        for Fired { event, actions, .. } in &fired {
+            let stops = actions.contains(&Action::Stop);
+            locator.log(system, *event, (now, self.stepper.start().y), stops, recorder);
+        }
+        Ok(fired)
     }
 
     /// Counts a firing; true where there were too many at one instant, in this call or, with steps too short to count between them, in
@@ -202,7 +218,8 @@ impl Integration {
         self.cascade.count > AT_AN_INSTANT
     }
 
-    /// Brings the speeds to constraints that a sharp turn of time or of an input moves, `late` seconds after the state was reached.
+    /// Brings the speeds to constraints that a sharp turn of time or of an input moves, `late` seconds after the state was reached; not to
+    /// contacts, whose forces are bounded or push only.
     ///
     /// # Errors
     /// A constraint that jumps, which no finite force could follow.
@@ -219,8 +236,7 @@ impl Integration {
             let constraint = system.description().rows[row].name.to_string();
             return Err(Cause::ConstraintLost { constraint, residual }.into());
         }
-        let active: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
-        let taken = velocity_jump(system, (now, self.stepper.start().y), &active, |_| 0.0);
+        let taken = velocity_jump(system, (now, self.stepper.start().y), &lasting_rows(system), |_| 0.0);
         self.take(system, taken.map_err(|fault| fault.cause(system.description()))?, recorder);
         Ok(())
     }

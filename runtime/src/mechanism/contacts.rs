@@ -111,6 +111,18 @@ impl ContactEvent {
             ContactEvent::Slips => mode == ContactMode::Sticks,
         }
     }
+
+    /// What leads from one mode to another; `None` where no event does.
+    pub(crate) fn between(from: ContactMode, to: ContactMode) -> Option<ContactEvent> {
+        match (from.touches(), to.touches()) {
+            (false, true) => Some(ContactEvent::Lands),
+            (true, false) => Some(ContactEvent::Lifts),
+            _ if from == to => None,
+            _ if to == ContactMode::Sticks => Some(ContactEvent::Stops),
+            _ if from == ContactMode::Sticks => Some(ContactEvent::Slips),
+            _ => None,
+        }
+    }
 }
 
 impl Contact {
@@ -126,9 +138,9 @@ impl Contact {
         self.events().find(|(own, _)| *own as usize == event).map(|(_, what)| what)
     }
 
-    /// The event of [`ContactEvent::Slips`].
-    pub(crate) fn slips(&self) -> Option<usize> {
-        self.events().find(|(_, what)| *what == ContactEvent::Slips).map(|(event, _)| event as usize)
+    /// The event at which something happens to it.
+    pub(crate) fn event(&self, happens: ContactEvent) -> Option<usize> {
+        self.events().find(|(_, what)| *what == happens).map(|(event, _)| event as usize)
     }
 
     /// Its modes, in the order in which phases count them.
@@ -143,6 +155,11 @@ impl Contact {
 }
 
 impl Contacts {
+    /// The rows of their gaps and sliding rates.
+    pub(crate) fn rows(&self) -> impl Iterator<Item = u32> {
+        self.all.iter().flat_map(|contact| [contact.normal, contact.tangent]).flatten()
+    }
+
     /// The mode of each contact in a phase.
     pub fn modes(&self, phase: usize) -> Vec<ContactMode> {
         let mut rest = phase;

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use super::{Settings, Start, fail, finish, start};
 use crate::cause::Cause;
+use crate::constrain::Kinematics;
 use crate::driver::{Integration, StopReason};
 use crate::error::Error;
 use crate::mechanism::System;
@@ -31,8 +32,8 @@ pub struct Stepping<S: System> {
     seen: usize,
     /// Until when the integration has been begun.
     horizon: f64,
-    /// True when the state or the system was changed.
-    changed: bool,
+    /// How the sides of contacts were placed and moved before the state or the system was changed; `None` where nothing was.
+    changed: Option<Vec<Kinematics>>,
     clock: Instant,
 }
 
@@ -59,7 +60,7 @@ impl<S: System> Stepping<S> {
             return Err(fail(*cause, &system, &integration, recorder, clock));
         }
         let spacing = settings.every.or(settings.step).unwrap_or_else(|| settings.spacing());
-        let (recorded, seen, horizon, changed) = (false, 0, settings.until, false);
+        let (recorded, seen, horizon, changed) = (false, 0, settings.until, None);
         Ok(Stepping { system, integration, recorder, spacing, recorded, dense, seen, horizon, changed, clock })
     }
 
@@ -104,18 +105,21 @@ impl<S: System> Stepping<S> {
         }
         self.seen = self.recorder.events().len();
         self.integration.limit_anew();
-        if self.changed {
+        if self.changed.is_some() {
             self.recorder.changed(&self.system, self.integration.time(), self.integration.state());
         }
-        if self.changed || until > self.horizon {
+        if self.changed.is_some() || until > self.horizon {
             // Far enough not to begin anew with each step.
             self.horizon = self.horizon.max(until + 100.0 * self.spacing);
-            match self.changed {
-                true => self.integration.go_on(&mut self.system, self.horizon)?,
-                false => self.integration.prolong(&mut self.system, self.horizon)?,
+            match &self.changed {
+                Some(before) => {
+                    self.integration.changed_by_hand(&mut self.system, before, &mut self.recorder)?;
+                    self.integration.go_on(&mut self.system, self.horizon)?;
+                }
+                None => self.integration.prolong(&mut self.system, self.horizon)?,
             }
             self.recorder.begin_piece(&self.system, self.integration.time(), self.integration.state());
-            self.changed = false;
+            self.changed = None;
         }
         let halt = self
             .integration
@@ -182,10 +186,14 @@ impl<S: System> Stepping<S> {
 
     /// The present state, to be changed; the integration begins anew from there.
     pub fn state_mut(&mut self) -> StateMut<'_> {
-        self.changed = true;
+        self.note_change();
         let n = self.system.len();
         let (q, rest) = self.integration.state_mut().split_at_mut(n);
         StateMut { q, v: &mut rest[..n] }
+    }
+
+    fn note_change(&mut self) {
+        self.changed.get_or_insert_with(|| self.integration.kinematics(&self.system));
     }
 
     /// Work done until now.
@@ -200,7 +208,7 @@ impl<S: System> Stepping<S> {
 
     /// The mechanism, to have its parameters or inputs changed; the integration begins anew.
     pub fn system_mut(&mut self) -> &mut S {
-        self.changed = true;
+        self.note_change();
         self.recorder.draw(&self.system);
         &mut self.system
     }

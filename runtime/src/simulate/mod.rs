@@ -125,29 +125,68 @@ fn no_series(system: &dyn System, settings: &Settings) -> Option<NoSeries> {
 /// Settings with the phase in which contacts begin; as they are where that is not to be decided, or cannot be: why will be told when the run
 /// begins.
 pub(crate) fn settled<'a>(system: &mut dyn System, settings: &'a Settings) -> Cow<'a, Settings> {
-    if system.contacts().all.is_empty() || settings.check(system.description()).is_err() {
+    if system.contacts().all.is_empty() || check(system, settings).is_err() {
         return Cow::Borrowed(settings);
     }
-    let guess = [settings.q.as_slice(), settings.v.as_slice()].concat();
-    system.set_phase(settings.phase);
-    let held = settings.held();
-    begin_at(system, settings.from, &guess);
-    let start = constrain::Start {
-        t: settings.from,
-        y: &guess,
-        held: &held,
-        start_conditions: settings.start_conditions.clone(),
-    };
-    let phase = consistent(system, &start).and_then(|y| settle(system, &beginning(settings.from, &y), Change::Start));
+    let first = first_phase(system, settings);
+    in_phase(settings, first.as_ref().ok())
+}
+
+/// Settings with another phase at the start, if any is given.
+fn in_phase<'a>(settings: &'a Settings, phase: Option<&usize>) -> Cow<'a, Settings> {
     match phase {
-        Ok(phase) => Cow::Owned(Settings { phase, ..settings.clone() }),
-        Err(_) => Cow::Borrowed(settings),
+        Some(phase) if *phase != settings.phase => Cow::Owned(Settings { phase: *phase, ..settings.clone() }),
+        _ => Cow::Borrowed(settings),
     }
 }
 
-/// Where a motion begins.
-fn beginning(t: f64, y: &[f64]) -> Moment<'_> {
-    Moment { t, y, scales: &[], step: 0.0 }
+/// The phase in which a motion begins: the one that its settings say, unless contacts decide it.
+fn first_phase(system: &mut dyn System, settings: &Settings) -> Result<usize, Box<Cause>> {
+    if system.contacts().all.is_empty() {
+        return Ok(settings.phase);
+    }
+    let guess = set_up(system, settings);
+    let held = settings.held();
+    let y = consistent(system, &start_of(settings, &guess, &held))?;
+    settle(system, &Moment { t: settings.from, y: &y, scales: &[], step: 0.0 }, Change::Start)
+}
+
+/// Makes a mechanism what it is where a run begins, in the state of the settings, which is returned: [q; q'].
+fn set_up(system: &mut dyn System, settings: &Settings) -> Vec<f64> {
+    system.set_phase(settings.phase);
+    let memory = settings.memory.clone().unwrap_or_else(|| system.scene_memory(0));
+    system.set_memory(&memory);
+    if let Some(history) = system.row_history_mut() {
+        *history = RowHistory::default();
+    }
+    system.enforce(settings.enforcement, settings.alpha());
+    let guess = [settings.q.as_slice(), settings.v.as_slice()].concat();
+    begin_at(system, settings.from, &guess);
+    guess
+}
+
+/// What is known of a start at this guess, of which these values are held.
+fn start_of<'a>(settings: &Settings, guess: &'a [f64], held: &'a [bool]) -> constrain::Start<'a> {
+    let start_conditions = settings.start_conditions.clone();
+    constrain::Start { t: settings.from, y: guess, held, start_conditions }
+}
+
+/// Refuses settings that the mechanism itself refutes.
+fn check(system: &dyn System, settings: &Settings) -> Result<(), Error> {
+    settings.check(system.description())?;
+    let wrong = |[from, every]: &[f64; 2]| {
+        let latest = from.abs().max(settings.from.abs()).max(settings.until.abs());
+        !(from.is_finite() && *every > CLOSEST_TICKS * latest && every.is_finite())
+    };
+    if let Some([_, every]) = system.clocks().into_iter().find(wrong) {
+        let expected = "a positive period of an event, long enough for its ticks to be told apart";
+        return Err(Error::BadSetting { setting: "every", value: every, expected });
+    }
+    let (given, expected) = (settings.memory.as_ref().map(Vec::len), system.memory().len());
+    match given {
+        Some(given) if given != expected => Err(Error::WrongLength { setting: "memory", given, expected }),
+        _ => Ok(()),
+    }
 }
 
 /// A run that has begun, or could not.
@@ -159,46 +198,18 @@ struct Start {
 
 /// Begins a run whose states are reported at this spacing.
 fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Start, Error> {
-    settings.check(system.description())?;
-    let settings = &*settled(system, settings);
+    check(system, settings)?;
+    let first = first_phase(system, settings);
+    let settings = &*in_phase(settings, first.as_ref().ok());
     if let Some(reason) = no_series(system, settings).filter(|_| settings.method == Method::Taylor) {
         return Err(Error::NoSeries { reason });
     }
-    let wrong = |[from, every]: &[f64; 2]| {
-        let latest = from.abs().max(settings.from.abs()).max(settings.until.abs());
-        !(from.is_finite() && *every > CLOSEST_TICKS * latest && every.is_finite())
-    };
-    if let Some([_, every]) = system.clocks().into_iter().find(wrong) {
-        let expected = "a positive period of an event, long enough for its ticks to be told apart";
-        return Err(Error::BadSetting { setting: "every", value: every, expected });
-    }
-    let held = settings.memory.as_ref().map_or(0, Vec::len);
-    if settings.memory.is_some() && held != system.memory().len() {
-        let (setting, expected) = ("memory", system.memory().len());
-        return Err(Error::WrongLength { setting, given: held, expected });
-    }
     let dampers = matches!(settings.enforcement, Enforcement::Springs { damping, .. } if damping > 0.0);
     let work = settings.watch && (dampers || !system.description().structure.conservative);
-    let guess = [settings.q.as_slice(), settings.v.as_slice()].concat();
-    system.set_phase(settings.phase);
-    let memory = settings.memory.clone().unwrap_or_else(|| system.scene_memory(0));
-    system.set_memory(&memory);
-    if let Some(history) = system.row_history_mut() {
-        *history = RowHistory::default();
-    }
-    system.enforce(settings.enforcement, settings.alpha());
+    let guess = set_up(system, settings);
     let held = settings.held();
-    begin_at(system, settings.from, &guess);
-    let start = constrain::Start {
-        t: settings.from,
-        y: &guess,
-        held: &held,
-        start_conditions: settings.start_conditions.clone(),
-    };
-    let mut met = consistent(system, &start);
-    if !system.contacts().all.is_empty() {
-        met = met.and_then(|y| settle(system, &beginning(settings.from, &y), Change::Start).map(|_| y));
-    }
+    let start = start_of(settings, &guess, &held);
+    let met = first.and_then(|_| consistent(system, &start));
     let alone = settings.guessed || !settings.watch;
     let elsewhere = met.as_ref().ok().filter(|_| !alone).and_then(|y| other_branch(system, &start, y));
     let (y, met) = met.map_or_else(|cause| (guess, Err(cause)), |y| (y, Ok(())));

@@ -33,14 +33,54 @@ pub(crate) struct Moment<'a> {
     pub step: f64,
 }
 
+/// How the sides of a contact are placed and move; 0 what it does not have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Kinematics {
+    /// The gap.
+    pub gap: f64,
+    /// Its rate.
+    pub gap_rate: f64,
+    /// The sliding rate.
+    pub sliding: f64,
+}
+
+/// Of each contact how its sides are placed and move.
+pub(crate) fn kinematics(system: &dyn System, at: At<'_>) -> Vec<Kinematics> {
+    let contacts = &system.contacts().all;
+    if contacts.is_empty() {
+        return Vec::new();
+    }
+    let triples = constraint_triples(system, at);
+    let of = |row: Option<u32>| row.map_or([0.0; 3], |row| triples[row as usize]);
+    let contacts = contacts.iter().map(|contact| (of(contact.normal), of(contact.tangent)));
+    contacts.map(|([gap, gap_rate, _], [_, sliding, _])| Kinematics { gap, gap_rate, sliding }).collect()
+}
+
+/// The active rows of constraints that no contact brings.
+pub(crate) fn lasting_rows(system: &dyn System) -> Vec<usize> {
+    let of_contacts: Vec<u32> = system.contacts().rows().collect();
+    system.active_rows().iter().filter(|row| !of_contacts.contains(row)).map(|row| *row as usize).collect()
+}
+
+/// All that several may do together, the last one's options changing fastest.
+fn combinations<'a>(options: impl Iterator<Item = &'a [ContactMode]>) -> Vec<Vec<ContactMode>> {
+    let longer = |all: Vec<Vec<ContactMode>>, own: &[ContactMode]| {
+        all.iter().flat_map(|one| own.iter().map(move |mode| [one.as_slice(), &[*mode]].concat())).collect()
+    };
+    options.fold(vec![Vec::new()], longer)
+}
+
+/// `rub sticks, floor open`.
+fn words(system: &dyn System, modes: &[ContactMode]) -> String {
+    let phase = system.contacts().phase(modes);
+    system.description().phases[phase].name.to_string()
+}
+
 /// All contacts at a state.
 struct Situation {
     /// What each did until now.
     modes: Vec<ContactMode>,
-    /// Gap and its rate, 0 where there is none.
-    gaps: Vec<[f64; 2]>,
-    /// The sliding rates.
-    sliding: Vec<f64>,
+    kinematics: Vec<Kinematics>,
     /// Whether the gap is closed, as far as rounding tells.
     closed: Vec<bool>,
     /// Whether the rates of gaps, and those of sliding, are zero as far as rounding tells.
@@ -74,8 +114,6 @@ impl Situation {
                 triples[row][1].abs() <= (STILL * terms(row)).max(NOW * change(row))
             })
         };
-        let rate = |row: Option<u32>| row.map_or(0.0, |row| triples[row as usize][1]);
-        let gap = |row: Option<u32>| row.map_or(0.0, |row| triples[row as usize][0]);
         // What the sizes of coordinates make of a gap whose terms are small here.
         let sizes = sizes_alike(system.description(), at.q);
         let size = |row: usize| (0..n).map(|i| (matrix[(row, i)] * sizes[i]).abs()).sum::<f64>();
@@ -89,8 +127,7 @@ impl Situation {
         };
         Situation {
             modes: system.contacts().modes(system.phase()),
-            gaps: contacts.iter().map(|contact| [gap(contact.normal), rate(contact.normal)]).collect(),
-            sliding: contacts.iter().map(|contact| rate(contact.tangent)).collect(),
+            kinematics: kinematics(system, at),
             closed: contacts.iter().map(|contact| closed(contact.normal)).collect(),
             still: contacts.iter().map(|contact| [still(contact.normal), still(contact.tangent)]).collect(),
         }

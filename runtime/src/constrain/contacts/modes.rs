@@ -5,7 +5,7 @@
 //! (Glocker, Set-Valued Force Laws, 2001, ch. 5–6) is solved by trying combinations, those first that change least.
 
 use super::strike::Strike;
-use super::{Moment, Situation};
+use super::{Kinematics, Moment, Situation, combinations, words};
 use crate::cause::Cause;
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{constraint_matrix, mass_matrix};
@@ -30,6 +30,8 @@ pub(crate) enum Change<'a> {
     },
     /// Contacts struck, and this came of it.
     Struck(&'a Strike),
+    /// Forces jumped, and maybe speeds and places, which were these.
+    Jump(&'a [Kinematics]),
 }
 
 /// What is tried under one combination.
@@ -63,16 +65,17 @@ enum Kind {
 /// The phase in which the contacts agree with the forces at a state; it is in force afterwards.
 ///
 /// # Errors
-/// No combination agrees, or several with different motions do, of which none is the present one; a motion that begins with a negative gap.
+/// No combination agrees, or several with different motions do, of which none is the present one; a gap that is negative where a motion begins or jumps.
 pub(crate) fn settle(system: &mut dyn System, moment: &Moment<'_>, change: Change<'_>) -> Result<usize, Box<Cause>> {
     let before = system.phase();
     let situation = Situation::new(system, moment);
     let (t, y) = (moment.t, moment.y);
-    if matches!(change, Change::Start)
-        && let Some(k) = (0..situation.gaps.len()).find(|k| situation.gaps[*k][0] < 0.0 && !situation.closed[*k])
+    let overlaps = |k: &usize| situation.kinematics[*k].gap < 0.0 && !situation.closed[*k];
+    if matches!(change, Change::Start | Change::Jump(_))
+        && let Some(k) = (0..situation.kinematics.len()).find(overlaps)
     {
         let contact = system.contacts().all[k].name.to_string();
-        return Err(Cause::Penetrates { contact, gap: situation.gaps[k][0] }.into());
+        return Err(Cause::Penetrates { contact, gap: situation.kinematics[k].gap }.into());
     }
     let known: Vec<Known> =
         (0..situation.modes.len()).map(|k| known(system, &situation, (k, change), (t, y))).collect();
@@ -88,7 +91,7 @@ pub(crate) fn settle(system: &mut dyn System, moment: &Moment<'_>, change: Chang
         Change::Event { contact, what: ContactEvent::Slips } => Some((contact, Kind::Slides)),
         _ => None,
     };
-    let agree: Vec<&Trial> = trials.iter().filter(|trial| agrees(trial, &trials, (&situation.modes, forced))).collect();
+    let agree: Vec<&Trial> = trials.iter().filter(|trial| agrees(trial, &trials, forced)).collect();
     let scale = trials.iter().flat_map(|trial| &trial.accelerations).fold(0.0_f64, |most, a| most.max(a.abs()));
     let alike = |one: &Trial, other: &Trial| {
         one.accelerations.iter().zip(&other.accelerations).all(|(a, b)| (a - b).abs() <= ALIKE * scale)
@@ -139,21 +142,25 @@ fn known(system: &mut dyn System, situation: &Situation, (k, change): (usize, Ch
         Change::Struck(strike) => strike.after(k),
         _ => None,
     };
-    let [_, gap_rate] = situation.gaps[k];
+    let Kinematics { gap, gap_rate, sliding } = situation.kinematics[k];
+    let [gap_is_still, sliding_is_still] = situation.still[k];
+    // What approaches where it is closed lands by its event.
+    let rests = situation.closed[k] && gap_is_still;
     let touches = contact.normal.is_none()
-        || match struck {
-            Some(after) => after.rests,
-            // What is open stays so until it lands.
-            None if matches!(change, Change::Event { .. }) && happened != Some(ContactEvent::Lands) => {
-                present.touches()
-            }
-            None => present.touches() || situation.closed[k] && (situation.still[k][0] || gap_rate < 0.0),
+        || match (change, struck) {
+            (_, Some(after)) => after.rests,
+            (Change::Start, _) => present.touches() || rests,
+            (Change::Jump(before), _) if (before[k].gap, before[k].gap_rate) != (gap, gap_rate) => rests,
+            (Change::Struck(_), None) => present.touches() || rests,
+            _ if happened == Some(ContactEvent::Lands) => situation.closed[k] && (gap_is_still || gap_rate < 0.0),
+            _ => present.touches(),
         };
-    let rolls = match (happened, struck, change) {
+    let rolls = match (happened, change, struck) {
         (Some(ContactEvent::Stops | ContactEvent::Slips), ..) => true,
-        (_, Some(after), _) => after.rolls,
-        (_, None, Change::Struck(_)) => situation.still[k][1],
-        _ => present == ContactMode::Sticks || situation.still[k][1],
+        (.., Some(after)) => after.rolls,
+        (_, Change::Struck(_), None) => sliding_is_still,
+        (_, Change::Jump(before), _) if before[k].sliding != sliding => sliding_is_still,
+        _ => present == ContactMode::Sticks || sliding_is_still,
     };
     let mut options = Vec::new();
     if touches && happened != Some(ContactEvent::Lifts) {
@@ -167,7 +174,7 @@ fn known(system: &mut dyn System, situation: &Situation, (k, change): (usize, Ch
             _ if rolls => {
                 options.extend([ContactMode::Sticks, ContactMode::SlipsForwards, ContactMode::SlipsBackwards]);
             }
-            _ if situation.sliding[k] < 0.0 => options.push(ContactMode::SlipsBackwards),
+            _ if sliding < 0.0 => options.push(ContactMode::SlipsBackwards),
             _ => options.push(ContactMode::SlipsForwards),
         }
     }
@@ -200,14 +207,7 @@ fn opposite(mode: ContactMode) -> ContactMode {
 
 /// All combinations of what each may do, those first that differ from the present one in fewest contacts that touch.
 fn in_order(present: Option<&[ContactMode]>, known: &[Known]) -> Vec<Vec<ContactMode>> {
-    let mut all = vec![Vec::new()];
-    for Known { options, .. } in known {
-        let longer = |one: &Vec<ContactMode>| {
-            let one = one.clone();
-            options.iter().map(move |mode| [one.as_slice(), &[*mode]].concat()).collect::<Vec<_>>()
-        };
-        all = all.iter().flat_map(longer).collect();
-    }
+    let mut all = combinations(known.iter().map(|known| known.options.as_slice()));
     if let Some(present) = present {
         let changes = |(mode, before): &(&ContactMode, &ContactMode)| before.touches() && mode != before;
         all.sort_by_key(|modes| modes.iter().zip(present).filter(changes).count());
@@ -286,7 +286,7 @@ fn margins(system: &dyn System, at: At<'_>) -> Vec<f64> {
     system.events(at, &mut pairs);
     let contacts = system.contacts().all.iter();
     contacts
-        .map(|contact| match (contact.slips(), contact.tangent) {
+        .map(|contact| match (contact.event(ContactEvent::Slips), contact.tangent) {
             (Some(event), Some(row)) => {
                 let difference = pairs[2 * event];
                 let sum = difference + 2.0 * at.lambda[row as usize].powi(2);
@@ -298,7 +298,7 @@ fn margins(system: &dyn System, at: At<'_>) -> Vec<f64> {
 }
 
 /// Whether forces and accelerations under a combination agree with it.  A contact that reached a limit leaves it, by however little.
-fn agrees(trial: &Trial, all: &[Trial], (present, forced): (&[ContactMode], Option<(usize, Kind)>)) -> bool {
+fn agrees(trial: &Trial, all: &[Trial], forced: Option<(usize, Kind)>) -> bool {
     trial.signs.iter().enumerate().all(|(k, signs)| {
         signs.iter().all(|sign| {
             let of_kind = |other: &Trial| {
@@ -308,22 +308,13 @@ fn agrees(trial: &Trial, all: &[Trial], (present, forced): (&[ContactMode], Opti
             let scale = all.iter().map(of_kind).fold(0.0, f64::max);
             let rounding = NOTHING * scale;
             let leaves = forced == Some((k, sign.kind));
-            let goes_on = trial.modes[k] == present[k];
             match sign.kind {
                 Kind::Holds => sign.value >= -NOTHING,
                 // Its force falls through 0: it opens, by however little.
                 Kind::Opens if leaves => true,
-                Kind::Pressed | Kind::Opens => sign.value >= -rounding,
-                // What begins to slide is moved; at its limit, or where others hold it, it may be moved by nothing yet.
-                Kind::Slides if leaves || goes_on => sign.value >= -rounding,
-                Kind::Slides => sign.value > rounding,
+                // What begins to slide may be moved by nothing yet: at its limit, or where others hold it.
+                Kind::Pressed | Kind::Opens | Kind::Slides => sign.value >= -rounding,
             }
         })
     })
-}
-
-/// `rub sticks, floor open`.
-fn words(system: &dyn System, modes: &[ContactMode]) -> String {
-    let phase = system.contacts().phase(modes);
-    system.description().phases[phase].name.to_string()
 }

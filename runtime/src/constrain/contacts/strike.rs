@@ -6,11 +6,11 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Moment, Situation};
+use super::{Moment, Situation, combinations, lasting_rows, words};
 use crate::cause::Cause;
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{constraint_matrix, constraint_triples, mass_matrix, multiplier_effects};
-use crate::mechanism::{At, ContactMode, ImpactLaw, System};
+use crate::mechanism::{At, ContactEvent, ContactMode, ImpactLaw, System};
 
 /// A rate or an impulse below this part of the largest is zero.
 const NOTHING: f64 = 1e-10;
@@ -85,8 +85,23 @@ struct Collision {
     response: DMatrix<f64>,
 }
 
-/// What contacts that close, or are closed, do at an instant to the speeds; `None` where none of them approaches.  A contact that approaches no faster than its number in `slow` loses
-/// its speed of approach altogether, and one that leaves no faster stays.
+/// A part of an impact: impulses that some sides take at once.
+#[derive(Clone, Copy)]
+struct Stage<'a> {
+    /// Places of the sides that may take impulses.
+    taking: &'a [usize],
+    /// The rates before it.
+    rates: &'a DVector<f64>,
+    /// Whether speeds of approach are turned round by the coefficients of restitution.
+    restitutes: bool,
+    /// Impulses across contacts that are given back whatever happens.
+    given: &'a DVector<f64>,
+}
+
+/// What contacts that close, or are closed, do at an instant to the speeds; `None` where none of them approaches.
+///
+/// A contact that approaches no faster than its number in `slow` loses its speed of approach altogether, and one that leaves no faster
+/// stays.
 ///
 /// # Errors
 /// No outcome, several, or an outcome that the order of impacts decides where the file states no law; energy that grows.
@@ -134,18 +149,14 @@ impl Collision {
         let n = system.len();
         let at = At::packed(t, y, n);
         let contacts = system.contacts().all.clone();
-        let of_contacts: Vec<u32> = contacts.iter().flat_map(|c| [c.normal, c.tangent]).flatten().collect();
-        let mut rows: Vec<usize> =
-            system.active_rows().iter().filter(|row| !of_contacts.contains(row)).map(|row| *row as usize).collect();
+        let mut rows = lasting_rows(system);
         let held = rows.len();
         let frictions = frictions(system, at);
         let restitutions = system.restitutions();
         let mut sides = Vec::new();
         for (k, contact) in contacts.iter().enumerate() {
             let Some(row) = contact.normal else { continue };
-            let touches = situation.modes[k].touches() || situation.closed[k];
-            // What moves apart takes no impulse unless it is pressed together, which shows in the outcome.
-            if !touches {
+            if !(situation.modes[k].touches() || situation.closed[k]) {
                 continue;
             }
             let normal = rows.len();
@@ -184,16 +195,17 @@ impl Collision {
     fn by(&self, system: &dyn System, law: ImpactLaw) -> Result<DVector<f64>, Box<Cause>> {
         let all: Vec<usize> = (0..self.sides.len()).collect();
         let none = DVector::zeros(self.rows.len());
+        let whole = Stage { taking: &all, rates: &self.before, restitutes: true, given: &none };
         match law {
-            ImpactLaw::Together => self.together(system, (&all, &self.before), true, &none),
+            ImpactLaw::Together => self.solve(system, whole),
             ImpactLaw::Poisson => {
-                let compressed = self.together(system, (&all, &self.before), false, &none)?;
-                let mut given_back = DVector::zeros(self.rows.len());
+                let compressed = self.solve(system, Stage { restitutes: false, ..whole })?;
+                let mut given = DVector::zeros(self.rows.len());
                 for side in &self.sides {
-                    given_back[side.normal] = side.restitution * compressed[side.normal];
+                    given[side.normal] = side.restitution * compressed[side.normal];
                 }
                 let rates = &self.before + &self.flexibility * &compressed;
-                let rest = self.together(system, (&all, &rates), false, &given_back)?;
+                let rest = self.solve(system, Stage { rates: &rates, restitutes: false, given: &given, ..whole })?;
                 Ok(compressed + rest)
             }
             ImpactLaw::Sequential => {
@@ -207,7 +219,7 @@ impl Collision {
                         rate(**a).total_cmp(&rate(**b))
                     };
                     let Some(one) = all.iter().min_by(fastest) else { break };
-                    let impulses = self.together(system, (&[*one], &rates), true, &none)?;
+                    let impulses = self.solve(system, Stage { taking: &[*one], rates: &rates, ..whole })?;
                     rates += &self.flexibility * &impulses;
                     total += impulses;
                 }
@@ -217,63 +229,39 @@ impl Collision {
         }
     }
 
-    /// Impulses of these sides at once, from these rates, beside what is `given`.
-    fn together(
-        &self,
-        system: &dyn System,
-        (taking, rates): (&[usize], &DVector<f64>),
-        restitutes: bool,
-        given: &DVector<f64>,
-    ) -> Result<DVector<f64>, Box<Cause>> {
-        let mut found: Vec<DVector<f64>> = Vec::new();
-        let mut modes = vec![ContactMode::Open; self.sides.len()];
-        self.tried((taking, taking, rates), restitutes, given, &mut modes, &mut found);
-        let Some(first) = found.first().cloned() else {
-            return Err(Cause::UndecidedContacts { found: Vec::new() }.into());
-        };
-        let after = |impulses: &DVector<f64>| rates + &self.flexibility * impulses;
-        let (one, scale) = (after(&first), self.scale(rates));
-        if found.iter().any(|other| (after(other) - &one).amax() > ALIKE * scale) {
-            let name = |side: &usize| system.contacts().all[self.sides[*side].contact].name.to_string();
-            return Err(Cause::UndecidedContacts { found: taking.iter().map(name).collect() }.into());
-        }
-        Ok(first)
-    }
-
-    /// Tries all modes of the sides of `taking` that are left.
-    fn tried(
-        &self,
-        (left, taking, rates): (&[usize], &[usize], &DVector<f64>),
-        restitutes: bool,
-        given: &DVector<f64>,
-        modes: &mut Vec<ContactMode>,
-        found: &mut Vec<DVector<f64>>,
-    ) {
-        let Some((side, rest)) = left.split_first() else {
-            found.extend(self.impulses((taking, rates), restitutes, given, modes));
-            return;
-        };
-        let own: &[ContactMode] = match self.sides[*side].tangent {
-            None => &[ContactMode::Closed, ContactMode::Open],
-            Some(_) => {
-                &[ContactMode::Sticks, ContactMode::SlipsForwards, ContactMode::SlipsBackwards, ContactMode::Open]
+    /// The impulses of a stage: all modes of the sides that take part are tried.
+    fn solve(&self, system: &dyn System, stage: Stage<'_>) -> Result<DVector<f64>, Box<Cause>> {
+        let options = |(place, side): (usize, &Side)| -> &[ContactMode] {
+            use ContactMode::{Closed, Open, SlipsBackwards, SlipsForwards, Sticks};
+            match side.tangent {
+                _ if !stage.taking.contains(&place) => &[Open],
+                None => &[Closed, Open],
+                Some(_) => &[Sticks, SlipsForwards, SlipsBackwards, Open],
             }
         };
-        for mode in own {
-            modes[*side] = *mode;
-            self.tried((rest, taking, rates), restitutes, given, modes, found);
+        let tried = combinations(self.sides.iter().enumerate().map(options)).into_iter();
+        let found: Vec<(Vec<ContactMode>, DVector<f64>)> =
+            tried.filter_map(|modes| self.impulses(&stage, &modes).map(|impulses| (modes, impulses))).collect();
+        let after = |impulses: &DVector<f64>| stage.rates + &self.flexibility * impulses;
+        let alike = |one: &DVector<f64>, other: &DVector<f64>| {
+            (after(other) - after(one)).amax() <= ALIKE * self.scale(stage.rates)
+        };
+        match found.as_slice() {
+            [(_, first), rest @ ..] if rest.iter().all(|(_, other)| alike(first, other)) => Ok(first.clone()),
+            _ => {
+                let mut all = system.contacts().modes(system.phase());
+                let mut named = |(modes, _): &(Vec<ContactMode>, DVector<f64>)| {
+                    self.sides.iter().zip(modes).for_each(|(side, mode)| all[side.contact] = *mode);
+                    words(system, &all)
+                };
+                Err(Cause::UndecidedContacts { found: found.iter().map(&mut named).collect() }.into())
+            }
         }
-        modes[*side] = ContactMode::Open;
     }
 
     /// The impulses under these modes, if those of the sides that take any agree with them.
-    fn impulses(
-        &self,
-        (taking, rates): (&[usize], &DVector<f64>),
-        restitutes: bool,
-        given: &DVector<f64>,
-        modes: &[ContactMode],
-    ) -> Option<DVector<f64>> {
+    fn impulses(&self, stage: &Stage<'_>, modes: &[ContactMode]) -> Option<DVector<f64>> {
+        let Stage { taking, rates, given, .. } = *stage;
         let m = self.rows.len();
         // P = base + spread x.
         let mut base = given.clone();
@@ -304,7 +292,7 @@ impl Collision {
                 }
             }
             columns.push(normal);
-            wanted.push((side.normal, self.least(side, rates, restitutes)));
+            wanted.push((side.normal, self.least(side, stage)));
         }
         let spread = DMatrix::from_fn(m, columns.len(), |i, j| columns[j][i]);
         let effect = &self.flexibility * &spread;
@@ -323,7 +311,7 @@ impl Collision {
             let (side, mode) = (&self.sides[*place], modes[*place]);
             let pressed = impulses[side.normal];
             if !mode.touches() {
-                return after[side.normal] >= self.least(side, rates, restitutes) - small;
+                return after[side.normal] >= self.least(side, stage) - small;
             }
             let slides = side.tangent.is_none_or(|tangent| match mode.sliding() {
                 0.0 => impulses[tangent].abs() <= side.friction[1] * pressed + none,
@@ -335,9 +323,9 @@ impl Collision {
     }
 
     /// The rate that a gap has at least afterwards; what moves apart already may go on as it likes.
-    fn least(&self, side: &Side, rates: &DVector<f64>, restitutes: bool) -> f64 {
-        let before = rates[side.normal];
-        if restitutes && -before > side.slow { -side.restitution * before } else { 0.0 }
+    fn least(&self, side: &Side, stage: &Stage<'_>) -> f64 {
+        let before = stage.rates[side.normal];
+        if stage.restitutes && -before > side.slow { -side.restitution * before } else { 0.0 }
     }
 
     fn outcome(&self, system: &dyn System, impulses: &DVector<f64>) -> Result<Strike, Box<Cause>> {
@@ -386,7 +374,9 @@ fn frictions(system: &mut dyn System, at: At<'_>) -> Vec<[f64; 2]> {
     let (a, mut lambda) = (vec![0.0; system.len()], vec![0.0; rows.len()]);
     let mut found = Vec::new();
     for contact in contacts.iter() {
-        let (Some(normal), Some(tangent), Some(event)) = (contact.normal, contact.tangent, contact.slips()) else {
+        let (Some(normal), Some(tangent), Some(event)) =
+            (contact.normal, contact.tangent, contact.event(ContactEvent::Slips))
+        else {
             found.push([0.0; 2]);
             continue;
         };
