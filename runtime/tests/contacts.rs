@@ -394,6 +394,38 @@ fn contacts_follow_changes_by_hand() {
 }
 
 #[test]
+fn what_struck_and_leaves_lands_once() {
+    // The corner's rate is zero after the impact, to rounding, and the box turns it up.
+    let turning = File::new(
+        "turning",
+        "name: Box\nparameters: {m: 1 kg, b: 0.05 m, h: 0.3 m, g: 9.81 m/s^2}\ncoordinates: {x: m, y: m, th: rad}\n\
+         bodies: {box: {mass: m, inertia: m*(b^2 + h^2)/3, angle: th, position: \"[x, y]\"}}\n\
+         points: {p: box - b*box.x - h*box.y, q: box + b*box.x - h*box.y}\ngravity: [0, -g]\nimpacts: poisson\n\
+         contacts:\n  p: {gap: p.y, on: box, at: p, normal: \"[0, 1]\", friction: 0.1}\n  \
+         q: {gap: q.y, on: box, at: q, normal: \"[0, 1]\", friction: 0.1}\n\
+         scene: {start: {th: 0.09, y: 0.886, x': -0.852, th': 1.373}, until: 0.45}\n",
+    );
+    let found = json(&["simulate", &turning.0]);
+    assert_eq!(names(&found), ["p lands"]);
+    let [before, jump] = [&found["impulses"][0]["constraints"], &found["impulses"][0]["v"]];
+    near(&jump["y"], before["p"].as_f64().expect("an impulse"), 1e-12);
+    // A disc that falls on another one, which lies on the floor: the series of impacts between them ends.
+    let discs = File::new(
+        "discs",
+        "name: Discs\nparameters: {m: 1 kg, M: 2.29 kg, R: 0.1 m, g: 9.81 m/s^2}\n\
+         coordinates: {x: m, y: m, th: rad, X: m, Y: m}\nbodies:\n  \
+         low: {mass: m, inertia: m*R^2/2, angle: th, position: \"[x, y]\"}\n  top: {mass: M, position: \"[X, Y]\"}\n\
+         points: {p: \"low - [0, R]\"}\ngravity: [0, -g]\nimpacts: sequential\n\
+         contacts:\n  p: {gap: p.y, on: low, at: p, normal: \"[0, 1]\", friction: 0.1}\n  \
+         c: {gap: norm(top - low) - 2*R, on: top, from: low, normal: top - low}\n\
+         scene: {start: {y: R, X: -0.0513, Y: 1}, until: 0.45}\n",
+    );
+    let found = json(&["simulate", &discs.0]);
+    assert_eq!(names(&found), ["c lands"]);
+    near(&found["v"]["y"], 0.0, 1e-12);
+}
+
+#[test]
 fn contacts_are_known_by_name() {
     let system = Dynamic::new(Balls::default());
     let contacts = system.contacts();

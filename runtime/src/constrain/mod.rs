@@ -17,7 +17,7 @@ mod start;
 mod start_conditions;
 
 pub(crate) use branch::{Elsewhere, other_branch};
-pub(crate) use contacts::{Change, Kinematics, Moment, Strike, kinematics, lasting_rows, settle, strike};
+pub(crate) use contacts::{Change, Kinematics, Moment, Strike, approaches, kinematics, lasting_rows, settle, strike};
 pub(crate) use impact::{VelocityJump, possible_restitution, possible_restitutions, velocity_jump};
 pub(crate) use projection::Projection;
 pub use projection::Residuals;

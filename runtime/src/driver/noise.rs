@@ -1,8 +1,12 @@
 //! Rounding, and what sets off from rest, told apart from errors that shorter steps would mend.
 
+use nalgebra::{DMatrix, DVector};
+
 use super::{Integration, Step, StepPolicy};
 use crate::integrate::PERTURBATION;
-use crate::mechanism::{At, System, solve_packed_slice};
+use crate::matrix::solve_least;
+use crate::mechanism::dense::{constraint_matrix, mass_matrix};
+use crate::mechanism::{At, Enforcement, System, solve_packed_slice};
 
 /// How often in a row an error in units of the tolerance hardly fell although steps became much shorter.
 #[derive(Clone, Copy, Debug, Default)]
@@ -71,7 +75,7 @@ impl Integration {
     }
 
     /// What rounding makes of each acceleration here: that of the coordinates and of the time, by moving them, and that of the
-    /// terms of the equations, M⁻¹ u m with their running magnitudes m; 0 where none can be told.
+    /// terms of the equations, M⁻¹ u m with their running magnitudes m, and what that of reactions leaves of the constraints; 0 where none can be told.
     pub(super) fn noise(&mut self, system: &dyn System) -> Vec<f64> {
         let (n, now) = (system.len(), self.clock.now());
         let StepPolicy::Adaptive { tolerance, .. } = &self.policy else { return vec![0.0; n] };
@@ -80,6 +84,10 @@ impl Integration {
         let (from, mut y) = (start.rate[n..].to_vec(), start.y.to_vec());
         let at = At::packed(now, start.y, n).accelerated(&from);
         let mut noise = by_terms(system, at, self.smooth_until).unwrap_or_else(|| vec![0.0; n]);
+        let raise = |noise: &mut [f64], more: Option<Vec<f64>>| {
+            noise.iter_mut().zip(more.unwrap_or_default()).for_each(|(noise, more)| *noise = noise.max(more));
+        };
+        raise(&mut noise, by_reactions(system, at));
         let mut rate = vec![0.0; 2 * n];
         for (side, tick) in [(1.0, 0.0), (-1.0, 0.0), (0.0, PERTURBATION), (0.0, -PERTURBATION)] {
             // Differences of neighbours show most where these move apart.
@@ -93,13 +101,13 @@ impl Integration {
             for i in 0..n {
                 noise[i] = noise[i].max((rate[n + i] - from[i]).abs());
             }
+            raise(&mut noise, by_reactions(system, At::packed(now + tick * now, &y, n)));
         }
         noise
     }
 }
 
-/// |M⁻¹ u m| for magnitudes of equal and of alternating signs, the larger of both; `None` where M has no inverse.  The reactions of
-/// constraints are terms as the others are: m has |J|ᵀ |λ| and |B| |λ|.
+/// |M⁻¹ u m| for magnitudes of equal and of alternating signs, the larger of both; `None` where M has no inverse.
 ///
 /// What an input is made of is not known: it counts as made of terms as large as it is at any time from here to `until`, before which
 /// time changes no discontinuity.
@@ -115,7 +123,6 @@ pub(super) fn by_terms(system: &dyn System, at: At<'_>, until: f64) -> Option<Ve
     for ((row, input), slope) in inputs.iter().zip(&by_input) {
         sums[*row as usize] += slope.abs() * largest[*input as usize];
     }
-    add_reactions(system, at, &mut sums);
     let mut noise = vec![0.0_f64; n];
     for other in [1.0, -1.0] {
         let mut packed = vec![0.0; n * (n + 1) / 2];
@@ -133,26 +140,29 @@ pub(super) fn by_terms(system: &dyn System, at: At<'_>, until: f64) -> Option<Ve
     noise.iter().all(|noise| noise.is_finite()).then_some(noise)
 }
 
-/// Adds what the reactions of constraints are made of to the magnitudes of the equations' terms.
-fn add_reactions(system: &dyn System, at: At<'_>, sums: &mut [f64]) {
-    let description = system.description();
-    if description.rows.is_empty() {
-        return;
+/// What the rounding of reactions leaves of accelerations: the least change that would bring them to the constraints, as far as M⁻¹ u |J|ᵀ |λ|
+/// explains it; `None` without constraints that are to be held exactly.
+fn by_reactions(system: &dyn System, at: At<'_>) -> Option<Vec<f64>> {
+    let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    if rows.is_empty() || system.enforcement() != Enforcement::Multipliers || system.baumgarte_gain() != 0.0 {
+        return None;
     }
-    let (mut a, mut lambda) = (vec![0.0; sums.len()], vec![0.0; description.rows.len()]);
-    if system.accelerations_and_multipliers(at, &mut a, &mut lambda).is_err() {
-        return;
-    }
-    let mut values = vec![0.0; description.constraint_pattern.len()];
-    system.constraint_matrix(at, &mut values);
-    for ((row, coordinate), value) in description.constraint_pattern.iter().zip(&values) {
-        sums[*coordinate as usize] += (value * lambda[*row as usize]).abs();
-    }
-    let mut values = vec![0.0; description.friction_pattern.len()];
-    system.friction(at, &mut values);
-    for ((coordinate, row), value) in description.friction_pattern.iter().zip(&values) {
-        sums[*coordinate as usize] += (value * lambda[*row as usize]).abs();
-    }
+    let mut gamma = vec![0.0; system.description().rows.len()];
+    let (mut a, mut lambda) = (vec![0.0; system.len()], gamma.clone());
+    system.accelerations_and_multipliers(at, &mut a, &mut lambda).ok()?;
+    system.constraint_bias(at, &mut gamma);
+    let matrix = constraint_matrix(system, at, &rows);
+    let missed = &matrix * DVector::from_vec(a) + DVector::from_fn(rows.len(), |k, _| gamma[rows[k]]);
+    let mass = mass_matrix(system, at);
+    let response = solve_least(&mass, &matrix.transpose())?;
+    let multipliers =
+        solve_least(&(&matrix * &response), &DMatrix::from_column_slice(rows.len(), 1, missed.as_slice()))?;
+    let change = response * multipliers;
+    let sizes = DVector::from_fn(rows.len(), |k, _| f64::EPSILON * lambda[rows[k]].abs());
+    let forces = matrix.abs().transpose() * sizes;
+    let rounding = solve_least(&mass, &DMatrix::from_column_slice(forces.len(), 1, forces.as_slice()))?;
+    let least = change.iter().zip(&rounding).map(|(change, rounding)| change.abs().min(rounding.abs()));
+    Some(least.map(|least| if least.is_finite() { least } else { 0.0 }).collect())
 }
 
 /// The largest sizes of (u, u', u'') of each input that samples find between t and `until`: evenly spaced ones, and

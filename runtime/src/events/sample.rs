@@ -1,6 +1,7 @@
 //! Event functions and arguments of switches at states and along steps.
 
 use super::certify::Sample;
+use crate::constrain::{Moment, approaches};
 use crate::integrate::Segment;
 use crate::mechanism::{Action, At, ContactEvent, Rated, System};
 
@@ -89,9 +90,10 @@ impl Sampler {
         self.at_state(system, t, y);
         let before = self.value(event);
         // Which contacts stay closed is decided: one that does not leaves as its rate says.
-        if let Some(terms) = self.terms_of_gap(system, event, (t, y)) {
+        if let Some(contact) = closes(system, event) {
             // What does not approach was decided to open.
-            return if self.rates[event] * step < -STILL * largest.max(terms) { -1.0 } else { 1.0 };
+            let moment = Moment { t, y, scales: &[], step };
+            return if approaches(system, &moment, contact) { -1.0 } else { 1.0 };
         }
         if hit && self.rated[event] == Rated::Whole && (self.rates[event] * step).abs() > STILL * largest {
             // What was struck leaves as its rate says, however low it hops.
@@ -113,7 +115,7 @@ impl Sampler {
 
     /// Σ |terms| of an event's function, where it is the gap of a contact.
     pub fn terms_of_gap<S: System + ?Sized>(&self, system: &S, event: usize, (t, y): (f64, &[f64])) -> Option<f64> {
-        let row = row_of_gap(system, event)?;
+        let row = system.contacts().all[closes(system, event)?].normal? as usize;
         let mut triples = vec![0.0; 3 * system.description().rows.len()];
         system.constraints(At::packed(t, y, self.n), &mut triples);
         Some(triples[3 * row + 2])
@@ -423,10 +425,9 @@ impl Sampler {
     }
 }
 
-/// The row of the gap that is an event's function.
-fn row_of_gap<S: System + ?Sized>(system: &S, event: usize) -> Option<usize> {
+/// The contact whose gap is an event's function.
+fn closes<S: System + ?Sized>(system: &S, event: usize) -> Option<usize> {
     let [Action::Contact(contact)] = system.description().events[event].actions[..] else { return None };
-    let contact = &system.contacts().all[contact as usize];
-    let lands = contact.happened(event) == Some(ContactEvent::Lands);
-    contact.normal.filter(|_| lands).map(|row| row as usize)
+    let contact = contact as usize;
+    (system.contacts().all[contact].happened(event) == Some(ContactEvent::Lands)).then_some(contact)
 }

@@ -9,6 +9,9 @@ mod strike;
 pub(crate) use modes::{Change, settle};
 pub(crate) use strike::{Strike, strike};
 
+use nalgebra::DMatrix;
+
+use crate::matrix::solve_least;
 use crate::mechanism::dense::{constraint_matrix, constraint_triples, sizes_alike};
 use crate::mechanism::{At, ContactMode, System};
 
@@ -19,6 +22,8 @@ const CLOSED: f64 = 1e-11;
 const STILL: f64 = 1e-12;
 /// A rate that would vanish within this part of a step vanishes now: instants at which sliding stops are located to some 1e-12 of one.
 const NOW: f64 = 1e-10;
+/// A row that differs by this part of itself from a sum of others depends on them.
+const IN_SPAN: f64 = 1e-10;
 
 /// An instant at which contacts change.
 #[derive(Clone, Copy)]
@@ -45,7 +50,7 @@ pub(crate) struct Kinematics {
 }
 
 /// Of each contact how its sides are placed and move.
-pub(crate) fn kinematics(system: &dyn System, at: At<'_>) -> Vec<Kinematics> {
+pub(crate) fn kinematics<S: System + ?Sized>(system: &S, at: At<'_>) -> Vec<Kinematics> {
     let contacts = &system.contacts().all;
     if contacts.is_empty() {
         return Vec::new();
@@ -54,6 +59,12 @@ pub(crate) fn kinematics(system: &dyn System, at: At<'_>) -> Vec<Kinematics> {
     let of = |row: Option<u32>| row.map_or([0.0; 3], |row| triples[row as usize]);
     let contacts = contacts.iter().map(|contact| (of(contact.normal), of(contact.tangent)));
     contacts.map(|([gap, gap_rate, _], [_, sliding, _])| Kinematics { gap, gap_rate, sliding }).collect()
+}
+
+/// Whether the sides of a contact approach, as far as rounding tells.
+pub(crate) fn approaches<S: System + ?Sized>(system: &S, moment: &Moment<'_>, contact: usize) -> bool {
+    let situation = Situation::new(system, moment);
+    situation.kinematics[contact].gap_rate < 0.0 && !situation.still[contact][0]
 }
 
 /// The active rows of constraints that no contact brings.
@@ -85,21 +96,24 @@ struct Situation {
     closed: Vec<bool>,
     /// Whether the rates of gaps, and those of sliding, are zero as far as rounding tells.
     still: Vec<[bool; 2]>,
+    /// Whether the constraints in force keep the rate of sliding at zero: those of other contacts, or its own.
+    held: Vec<bool>,
 }
 
 impl Situation {
-    fn new(system: &dyn System, &Moment { t, y, scales, step }: &Moment<'_>) -> Situation {
+    fn new<S: System + ?Sized>(system: &S, &Moment { t, y, scales, step }: &Moment<'_>) -> Situation {
         let n = system.len();
         let at = At::packed(t, y, n);
         let contacts = &system.contacts().all;
         let triples = constraint_triples(system, at);
         let rows: Vec<usize> = (0..triples.len()).collect();
         let matrix = constraint_matrix(system, at, &rows);
+        // What of a rate no speed makes.
+        let driven = |row: usize| triples[row][1] - (0..n).map(|i| matrix[(row, i)] * at.v[i]).sum::<f64>();
         // Σ |J_i v_i|, beside which a rate is rounding.
         let terms = |row: usize| {
             let moving = (0..n).map(|i| (matrix[(row, i)] * at.v[i]).abs()).sum::<f64>();
-            let driven = triples[row][1] - (0..n).map(|i| matrix[(row, i)] * at.v[i]).sum::<f64>();
-            moving + driven.abs()
+            moving + driven(row).abs()
         };
         let (mut a, mut lambda) = (vec![0.0; n], vec![0.0; triples.len()]);
         let solved = system.accelerations_and_multipliers(at, &mut a, &mut lambda);
@@ -113,6 +127,18 @@ impl Situation {
                 let row = row as usize;
                 triples[row][1].abs() <= (STILL * terms(row)).max(NOW * change(row))
             })
+        };
+        let active: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+        // J_t = Σ c_k J_k, and what of the rate no speed makes is zero in this sum, too.
+        let held = |row: Option<u32>| {
+            let row = row? as usize;
+            let own = matrix.row(row).transpose();
+            let basis = constraint_matrix(system, at, &active).transpose();
+            let parts = solve_least(&basis, &DMatrix::from_column_slice(n, 1, own.as_slice()))?;
+            let missed = (&own - &basis * &parts).amax();
+            let rest = active.iter().zip(&parts).fold(driven(row), |rest, (k, part)| rest - part * driven(*k));
+            let size = active.iter().zip(&parts).fold(terms(row), |size, (k, part)| size + part.abs() * terms(*k));
+            Some(missed <= IN_SPAN * own.amax() && rest.abs() <= STILL * size)
         };
         // What the sizes of coordinates make of a gap whose terms are small here.
         let sizes = sizes_alike(system.description(), at.q);
@@ -130,6 +156,7 @@ impl Situation {
             kinematics: kinematics(system, at),
             closed: contacts.iter().map(|contact| closed(contact.normal)).collect(),
             still: contacts.iter().map(|contact| [still(contact.normal), still(contact.tangent)]).collect(),
+            held: contacts.iter().map(|contact| held(contact.tangent).unwrap_or(false)).collect(),
         }
     }
 }

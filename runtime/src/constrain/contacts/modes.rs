@@ -160,7 +160,7 @@ fn known(system: &mut dyn System, situation: &Situation, (k, change): (usize, Ch
         (.., Some(after)) => after.rolls,
         (_, Change::Struck(_), None) => sliding_is_still,
         (_, Change::Jump(before), _) if before[k].sliding != sliding => sliding_is_still,
-        _ => present == ContactMode::Sticks || sliding_is_still,
+        _ => situation.held[k] || sliding_is_still,
     };
     let mut options = Vec::new();
     if touches && happened != Some(ContactEvent::Lifts) {

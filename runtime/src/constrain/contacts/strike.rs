@@ -212,7 +212,9 @@ impl Collision {
                 let (mut total, mut rates) = (none.clone(), self.before.clone());
                 for _ in 0..MOST_IMPACTS {
                     if !self.approaches(&rates) {
-                        return Ok(total);
+                        // What a series of impacts leaves of the approaches ends at once.
+                        let rest = Stage { rates: &rates, restitutes: false, ..whole };
+                        return Ok(total + self.solve(system, rest)?);
                     }
                     let fastest = |a: &&usize, b: &&usize| {
                         let rate = |side: usize| rates[self.sides[side].normal];

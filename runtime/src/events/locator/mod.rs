@@ -456,10 +456,11 @@ impl EventLocator {
         Ok(())
     }
 
-    /// What is zero of an event's function that is at its zero in the state that was evaluated last.
+    /// What is zero of an event's function that is at its zero in the state that was evaluated last: it stays about the value there, by
+    /// its rounding.
     fn surface_of<S: System + ?Sized>(&mut self, system: &S, event: usize, (t, y): (f64, &[f64])) -> f64 {
         let value = self.sampler.value(event).abs();
-        let zero = value.max(self.sampler.rounding_at(system, event, (t, y)));
+        let zero = value + self.sampler.rounding_at(system, event, (t, y));
         if zero.is_nan() { 0.0 } else { zero }
     }
 
