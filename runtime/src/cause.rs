@@ -158,8 +158,13 @@ pub enum Cause {
         /// When it is reached, s.
         t: f64,
     },
-    /// Both sides of a discontinuity push back to it.
+    /// Both sides of a discontinuity push back to it, and the motion cannot stay there: the sides differ in no rate of its argument.
     Chattering {
+        /// The discontinuity's argument, as the model file has it.
+        switch: String,
+    },
+    /// The motion stays on a discontinuity, between its two sides, which the method of integration does not know.
+    Sliding {
         /// The discontinuity's argument, as the model file has it.
         switch: String,
     },
@@ -291,6 +296,7 @@ impl Cause {
             Cause::ImpactGainsEnergy { .. } => "impact gains energy",
             Cause::CoordinateSingularity { .. } => "coordinate singularity",
             Cause::Chattering { .. } => "chattering",
+            Cause::Sliding { .. } => "sliding",
             Cause::DirectionLost { .. } | Cause::EndsMeet { .. } => "direction lost",
             Cause::NegativeInertia { .. } => "negative inertia",
             Cause::Interrupted => "interrupted",
@@ -435,6 +441,11 @@ impl fmt::Display for Cause {
                 f,
                 "chattering: both sides of `{switch}` = 0 push back to it; dry friction that sticks is `friction: {{rub: {{rate: {switch}, limit: F, \
                  …}}}}`; else describe what happens there as a phase with a constraint that keeps it 0 and events that lead in and out"
+            ),
+            Cause::Sliding { switch } => write!(
+                f,
+                "sliding: both sides of `{switch}` = 0 push back to it, and the motion stays there, which dop853, dopri5, rk4, midpoint and \
+                 euler know; dry friction as `friction: {{rub: {{rate: {switch}, limit: F, …}}}}` goes with all methods"
             ),
             Cause::DirectionLost { coordinate } => write!(
                 f,

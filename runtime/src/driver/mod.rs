@@ -34,10 +34,11 @@ use start::Starting;
 
 use crate::cause::Cause;
 use crate::constrain::Projection;
-use crate::events::{EventLocator, Ticks};
+use crate::events::{EventLocator, Ticks, switch_text};
 use crate::integrate::{
     Clock, Control, Endpoint, OneStep, Segment, StepControl, StepFailure, StiffnessDetector, Tolerance, Trial, stepper,
 };
+use crate::mechanism::sliding::return_to_surfaces;
 use crate::mechanism::{Method, System};
 use crate::run::{Recorder, Work};
 use crate::trust::Warning;
@@ -453,6 +454,12 @@ impl Integration {
 
     fn begin_anew(&mut self, system: &dyn System) -> Result<(), Box<Cause>> {
         self.awake();
+        if let Some(switch) = system.sliding().first() {
+            if !self.stepper.slides() {
+                return Err(Cause::Sliding { switch: switch_text(system, *switch) }.into());
+            }
+            return_to_surfaces(system, self.clock.now(), self.stepper.state_mut());
+        }
         // The length of the step stays: what happened says little about the next one, and the error test judges it.
         self.control.restart();
         self.jumps.restart();
@@ -585,8 +592,14 @@ impl Integration {
             Some(projection) => projection.project(system, step.next, self.stepper.end_mut())?,
             None => false,
         };
+        let moved = moved | self.return_to_surfaces(system, step.next);
         let finite = self.stepper.conclude(system, step.next, moved)?;
         Ok(if finite { error } else { f64::NAN })
+    }
+
+    /// Brings the end of a step to the surfaces in which the motion slides; true where it moved.
+    fn return_to_surfaces(&mut self, system: &dyn System, t: f64) -> bool {
+        !system.sliding().is_empty() && return_to_surfaces(system, t, self.stepper.end_mut())
     }
 
     /// Takes the step that was tried.

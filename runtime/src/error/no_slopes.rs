@@ -94,7 +94,7 @@ impl fmt::Display for NoSlopes {
                 write!(f, "`{one}` and `{other}` happen together at t = {t} s, and their order decides what follows")
             }
             NoSlopes::Rests { t, switch } => {
-                write!(f, "the motion rests from t = {t} s where a force jumps (`{switch}` = 0); write rest as a phase")
+                write!(f, "the motion rests from t = {t} s where a force jumps (`{switch}` = 0); write it as `friction`, or rest as a phase")
             }
             NoSlopes::ImpactsAccumulate { t } => write!(f, "impacts accumulate at t = {t} s"),
             NoSlopes::Rebounds { t } => write!(

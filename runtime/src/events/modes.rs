@@ -4,6 +4,7 @@ use super::certify::Sample;
 use super::sample::Sampler;
 use crate::cause::Cause;
 use crate::integrate::Segment;
+use crate::mechanism::sliding::{SLIDES, fractions};
 use crate::mechanism::{SwitchKind, System};
 
 /// A step that is taken only to see where it leads, under the modes in force.
@@ -62,14 +63,13 @@ const MOST_COMBINATIONS: usize = 64;
 /// present one first; a combination is the motion's if it moves every argument that is on its surface to the side that
 /// the combination says.  Where rates vanish, or no combination agrees with them, one trial step tells where the arguments go.
 ///
-/// Where no combination leads away, one `sign` that rested, as at the start, stays 0 if nothing moves with it; one that
-/// slid until then and is pushed back from both sides does not come to rest by itself: what holds it there is for a
-/// phase to say.
+/// Where no combination leads away, what is pushed back from both sides slides in its surface ([`System::sliding`]), as few as possible at
+/// once.  Of a system that cannot, one `sign` that rested, as at the start, stays 0 if nothing moves with it.
 ///
 /// Returns which switches are on their surface, and one of them that several combinations move away, to both sides.
 ///
 /// # Errors
-/// [`Cause::Chattering`] names a switch to which both sides push back.
+/// [`Cause::Chattering`] names a switch to which both sides push back, and which does not slide: its sides do not change its rate.
 pub(crate) fn choose<S: System + ?Sized>(
     system: &mut S,
     sampler: &mut Sampler,
@@ -78,7 +78,10 @@ pub(crate) fn choose<S: System + ?Sized>(
     trial: Trial<'_, S>,
 ) -> Result<Chosen, Box<Cause>> {
     let count = system.description().switches.len();
-    let before = system.modes().to_vec();
+    let (slid, leaving) = (system.sliding().to_vec(), leaving(system, (t, y), known));
+    let mut before = system.modes().to_vec();
+    slid.iter().for_each(|switch| before[*switch] = at_rest(system, *switch));
+    system.set_modes(&before);
     let rested: Vec<bool> = (0..count).map(|switch| side(system, switch) == 0.0).collect();
     let mut combinations = Vec::new();
     let mut stack: Vec<Combination> = vec![Combination { modes: before.clone(), on: vec![false; count], next: 0 }];
@@ -93,13 +96,16 @@ pub(crate) fn choose<S: System + ?Sized>(
             }
             sampler.at_state(system, t, y);
             let (value, rate) = (sampler.value(sampler.function_of(switch)), sampler.rate(switch));
-            let on = known.surface[switch] || value == 0.0 || value.abs() <= NOW * known.step * rate.abs();
+            let on = known.surface[switch]
+                || slid.contains(&switch)
+                || value == 0.0
+                || value.abs() <= NOW * known.step * rate.abs();
             if !on {
                 one.modes[switch] = mode(system, switch, value);
                 continue;
             }
             one.on[switch] = true;
-            let [first, second] = sides(system, switch, &before, known.leaves);
+            let [first, second] = sides(system, switch, &before, &leaving);
             if combinations.len() + stack.len() < MOST_COMBINATIONS {
                 let mut other = one.clone();
                 other.modes[switch] = second;
@@ -124,13 +130,16 @@ pub(crate) fn choose<S: System + ?Sized>(
     }
     if let Some((mut one, to)) = found {
         for switch in (0..count).filter(|k| one.on[*k] && to[*k] == 0.0) {
-            one.modes[switch] = match known.leaves {
-                Some((other, to)) if other == switch => mode(system, switch, to),
-                _ => at_rest(system, switch),
+            one.modes[switch] = match leaving.iter().find(|(other, _)| *other == switch) {
+                Some((_, to)) => mode(system, switch, *to),
+                None => at_rest(system, switch),
             };
         }
         system.set_modes(&one.modes);
         return Ok(Chosen { on: one.on, undecided });
+    }
+    if let Some(on) = slide(system, sampler, (t, y), &combinations, &by_rates) {
+        return Ok(Chosen { on, undecided: None });
     }
     // The combinations in which fewest arguments are moved against their sides; those are pushed back to their surface.
     let list = combinations.iter().zip(&by_rates);
@@ -152,6 +161,55 @@ pub(crate) fn choose<S: System + ?Sized>(
     system.set_modes(&before);
     let switch = pushed.first().copied().unwrap_or(0);
     Err(Cause::Chattering { switch: text(system, switch) }.into())
+}
+
+/// The switches that leave their surface, as was found out, or since they have slid to the end of what their sides can do, and to which side.
+fn leaving<S: System + ?Sized>(system: &S, (t, y): (f64, &[f64]), known: &Known<'_>) -> Vec<(usize, f64)> {
+    let mut leaving: Vec<(usize, f64)> = known.leaves.into_iter().collect();
+    if let Some(w) = (!system.sliding().is_empty()).then(|| fractions(system, t, y)).flatten() {
+        let ends = system.sliding().iter().zip(w).filter(|(switch, _)| known.surface[**switch]);
+        leaving.extend(ends.map(|(switch, w)| (*switch, if w > 0.5 { 1.0 } else { -1.0 })));
+    }
+    leaving
+}
+
+/// Lets as few switches as possible slide in their surfaces, between the forces of their sides, while all others on their surfaces are moved to
+/// the sides that a combination says; `None` where that is impossible.
+fn slide<S: System + ?Sized>(
+    system: &mut S,
+    sampler: &mut Sampler,
+    (t, y): (f64, &[f64]),
+    combinations: &[Combination],
+    by_rates: &[Vec<f64>],
+) -> Option<Vec<bool>> {
+    if !system.can_slide() {
+        return None;
+    }
+    let on = &combinations.first()?.on;
+    let places: Vec<usize> = (0..on.len()).filter(|k| on[*k]).collect();
+    let mut sets: Vec<Vec<usize>> = (1_usize..1 << places.len())
+        .map(|set| (0..places.len()).filter(|k| set >> k & 1 == 1).map(|k| places[k]).collect())
+        .collect();
+    sets.sort_by_key(Vec::len);
+    for set in sets {
+        for one in combinations.iter().filter(|one| one.on == *on) {
+            let mut modes = one.modes.clone();
+            set.iter().for_each(|switch| modes[*switch] = SLIDES);
+            system.set_modes(&modes);
+            let between =
+                fractions(system, t, y).is_some_and(|w| w.iter().all(|w| (-STANDS..=1.0 + STANDS).contains(w)));
+            if !between {
+                continue;
+            }
+            sampler.at_state(system, t, y);
+            let goes =
+                |k: &usize| side_of(system, *k, one.modes[*k]) * sampler.rate(*k) > -STANDS * scale(by_rates, *k);
+            if places.iter().filter(|k| !set.contains(k)).all(goes) {
+                return Some(on.clone());
+            }
+        }
+    }
+    None
 }
 
 /// Sides of the switches that are on their surface.
@@ -254,12 +312,12 @@ fn directions<S: System + ?Sized>(
 }
 
 /// The sides to try for a switch on its surface, the present one first.
-fn sides<S: System + ?Sized>(system: &S, switch: usize, before: &[f64], leaves: Option<(usize, f64)>) -> [f64; 2] {
+fn sides<S: System + ?Sized>(system: &S, switch: usize, before: &[f64], leaving: &[(usize, f64)]) -> [f64; 2] {
     let (above, below) = (mode(system, switch, 1.0), mode(system, switch, -1.0));
-    let first = match leaves {
-        Some((other, side)) if other == switch => mode(system, switch, side),
-        _ if before[switch] == below => below,
-        _ => above,
+    let first = match leaving.iter().find(|(other, _)| *other == switch) {
+        Some((_, side)) => mode(system, switch, *side),
+        None if before[switch] == below => below,
+        None => above,
     };
     if first == above { [above, below] } else { [below, above] }
 }

@@ -3,6 +3,7 @@
 use super::certify::Sample;
 use crate::constrain::{Moment, approaches};
 use crate::integrate::Segment;
+use crate::mechanism::sliding::fractions;
 use crate::mechanism::{Action, At, ContactEvent, Rated, System};
 
 /// Evaluates the watched functions: the events' first, then the switches' arguments.
@@ -264,7 +265,8 @@ impl Sampler {
         function: usize,
         theta: f64,
     ) -> (f64, f64) {
-        let rated = self.rated.get(function).copied().unwrap_or(Rated::Whole);
+        let slides = self.switch(function).is_some_and(|switch| system.sliding().contains(&switch));
+        let rated = if slides { Rated::Unknown } else { self.rated.get(function).copied().unwrap_or(Rated::Whole) };
         if rated == Rated::Held {
             self.along(system, segment, theta);
             if let Some(rate) = self.rate_of_solved(system, segment.t + theta * segment.h, function, segment.h) {
@@ -364,7 +366,7 @@ impl Sampler {
         samples: &mut Vec<Sample>,
     ) {
         samples.clear();
-        if self.rated.iter().any(|rated| *rated != Rated::Whole) {
+        if !system.sliding().is_empty() || self.rated.iter().any(|rated| *rated != Rated::Whole) {
             for function in 0..self.len() {
                 let (value, slope) = self.sample(system, segment, function, theta);
                 samples.push(Sample { x: theta, value, slope });
@@ -421,6 +423,13 @@ impl Sampler {
         }
         if self.switches > 0 {
             system.switches(at, switches);
+            if let Some(w) = (!system.sliding().is_empty()).then(|| fractions(system, t, y)) {
+                // 1 − σ², the place between the sides; it leaves the surface where that is zero.
+                for (k, switch) in system.sliding().iter().enumerate() {
+                    let margin = w.as_ref().map_or(f64::NAN, |w| 4.0 * w[k] * (1.0 - w[k]));
+                    switches[2 * switch..2 * switch + 2].copy_from_slice(&[margin, 0.0]);
+                }
+            }
         }
     }
 }

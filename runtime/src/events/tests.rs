@@ -193,6 +193,7 @@ fn dry_friction(x: f64) -> Toy {
         .switch(switch("x'", SwitchKind::Sign, false), |_, _, v, a, p| p.copy_from_slice(&[v[0], a[0]]))
 }
 
+/// Of a system that cannot slide, as these here.
 #[test]
 fn friction_that_sticks_is_chattering_where_it_sticks_e14() {
     for method in METHODS {

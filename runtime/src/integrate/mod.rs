@@ -111,6 +111,11 @@ pub(crate) trait OneStep: Send {
         false
     }
 
+    /// Whether it asks for accelerations alone, and may so stay on a discontinuity, where their derivatives are others.
+    fn slides(&self) -> bool {
+        false
+    }
+
     /// h‖Δf‖/‖Δy‖ near the end of the step, an estimate of h|λ| of the stiffest mode, or 0 where that is less than `least`;
     /// after the rate at the end.
     fn stiffness(&self, h: f64, least: f64) -> f64;

@@ -6,7 +6,7 @@ use super::phased::{Phased, RowHistory, sprung};
 use super::system::Replaced;
 use super::{
     Along, At, Contacts, Description, Energy, Enforcement, Function, Gimbal, Mechanism, Motion, MotionNumbers,
-    Sampling, Scene, Series, Signal, Singular, System, Values,
+    Sampling, Scene, Series, Signal, Singular, System, Values, sliding,
 };
 use crate::cause::NoSeries;
 
@@ -19,6 +19,7 @@ pub struct Dynamic<M: Mechanism<N, C>, const N: usize, const C: usize> {
     derivation: Option<usize>,
     /// Empty without constraints.
     phased: Phased,
+    sliding: Vec<usize>,
 }
 
 impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> Dynamic<M, N, C> {
@@ -26,7 +27,7 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> Dynamic<M, N,
     pub fn new(mechanism: M) -> Self {
         let constants = M::constants(|_| mechanism.clone());
         let signals = vec![None; M::description().inputs.len()];
-        Dynamic { mechanism, constants, signals, derivation: None, phased: Phased::default() }
+        Dynamic { mechanism, constants, signals, derivation: None, phased: Phased::default(), sliding: Vec::new() }
     }
 
     /// The parameters.
@@ -254,6 +255,9 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
     }
 
     fn assignments(&self, at: At<'_>, values: &mut [f64]) {
+        if !self.sliding.is_empty() {
+            return sliding::resolved(self, at).assignments(at, values);
+        }
         let u = self.input_block(at.t);
         let (a, lambda) = self.completed(at, M::sampling().sets_use_accelerations);
         M::assignments(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &a, &lambda, values);
@@ -272,6 +276,9 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
     }
 
     fn accelerations(&self, at: At<'_>, a: &mut [f64]) -> Result<(), Singular> {
+        if !self.sliding.is_empty() {
+            return sliding::accelerations_and_multipliers(self, at, a, &mut [0.0; C]);
+        }
         if let Some(system) = self.derivation.filter(|balances| !self.phased.is_determined(self, *balances)) {
             return self.by_balances(system, at, |unknowns| a.copy_from_slice(&unknowns[..N]));
         }
@@ -285,7 +292,7 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
         assert!(y.len() == 2 * N && rate.len() == 2 * N, "{WIDTH}");
         let ((q, v), (speeds, a)) = (y.split_at(N), rate.split_at_mut(N));
         speeds.copy_from_slice(v);
-        if C > 0 || self.derivation.is_some() {
+        if C > 0 || self.derivation.is_some() || !self.sliding.is_empty() {
             return self.accelerations(At::new(t, q, v), a);
         }
         self.free(t, array(q), array(v), array_mut(a))
@@ -303,6 +310,9 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
     }
 
     fn accelerations_and_multipliers(&self, at: At<'_>, a: &mut [f64], lambda: &mut [f64]) -> Result<(), Singular> {
+        if !self.sliding.is_empty() {
+            return sliding::accelerations_and_multipliers(self, at, a, lambda);
+        }
         lambda.fill(0.0);
         if !self.active_rows().is_empty() {
             self.phased.reactions(self, at, a, lambda)?;
@@ -441,6 +451,9 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
     }
 
     fn residual(&self, at: At<'_>, f: &mut [f64]) {
+        if !self.sliding.is_empty() {
+            return sliding::resolved(self, at).residual(at, f);
+        }
         let u = self.input_block(at.t);
         M::residual(
             &self.constants,
@@ -526,6 +539,9 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
     }
 
     fn energy(&self, at: At<'_>) -> Energy {
+        if !self.sliding.is_empty() {
+            return sliding::resolved(self, at).energy(at);
+        }
         let (a, lambda) = self.completed(at, !M::description().structure.conservative);
         let u = self.input_block(at.t);
         let energy = M::energy(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &a, &lambda);
@@ -537,6 +553,9 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
     }
 
     fn outputs(&self, at: At<'_>, values: &mut [f64]) {
+        if !self.sliding.is_empty() {
+            return sliding::outputs(self, at, values);
+        }
         let u = self.input_block(at.t);
         let (a, lambda) = self.completed(at, M::description().outputs_use_accelerations);
         M::outputs(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &a, &lambda, values);
@@ -586,6 +605,9 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
     }
 
     fn events(&self, at: At<'_>, pairs: &mut [f64]) {
+        if !self.sliding.is_empty() {
+            return sliding::resolved(self, at).events(at, pairs);
+        }
         let u = self.input_block(at.t);
         let (a, lambda) = self.completed(at, M::description().events_use_accelerations);
         M::events(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &a, &lambda, pairs);
@@ -644,6 +666,15 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
     fn set_modes(&mut self, modes: &[f64]) {
         let (first, end) = (self.first_mode(), self.first_phase());
         self.constants.as_mut()[first..end].copy_from_slice(modes);
+        self.sliding = sliding::places(modes);
+    }
+
+    fn sliding(&self) -> &[usize] {
+        &self.sliding
+    }
+
+    fn can_slide(&self) -> bool {
+        true
     }
 
     fn drawing(&self, at: At<'_>, values: &mut [f64]) {

@@ -19,6 +19,7 @@ mod real;
 mod sampling;
 mod series;
 mod singular;
+pub(crate) mod sliding;
 mod slopes;
 mod solve;
 mod subsystem;

@@ -338,14 +338,25 @@ pub trait System: Send + Sync {
         let _ = (at, pairs);
     }
 
-    /// The modes in force, one per switch.
+    /// The modes in force, one per switch; NaN where it slides.
     fn modes(&self) -> &[f64] {
         &[]
     }
 
-    /// Puts other modes in force.
+    /// Puts other modes in force.  NaN lets a switch slide: its argument stays zero, since both sides push back to it, and accelerations,
+    /// multipliers and all that is made of them are those between the two sides that keep it so.
     fn set_modes(&mut self, modes: &[f64]) {
         let _ = modes;
+    }
+
+    /// The switches that slide.
+    fn sliding(&self) -> &[usize] {
+        &[]
+    }
+
+    /// Whether switches can slide.
+    fn can_slide(&self) -> bool {
+        false
     }
 
     /// Points and radii of `description().draw`, `description().drawing_len()` numbers.

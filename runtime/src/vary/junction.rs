@@ -69,6 +69,14 @@ pub(crate) fn put(system: &mut dyn System, side: &Side) {
     system.set_modes(&side.modes);
 }
 
+/// Refuses a side on which the motion slides in a surface.
+pub(crate) fn slides(system: &dyn System, t: f64) -> Result<(), NoSlopes> {
+    match system.sliding().first() {
+        Some(switch) => Err(NoSlopes::Rests { t, switch: system.description().switches[*switch].text.to_string() }),
+        None => Ok(()),
+    }
+}
+
 /// Takes columns across a junction, whose instant moves by δt = −δg/(dg/dt) with the guard g, the motion before and after it having the
 /// rates f⁻ and f⁺, and R being what happens to the state: δy⁺ = ∂R (δy⁻ + f⁻ δt) − f⁺ δt.  Returns δt of each column.
 ///
@@ -111,6 +119,7 @@ pub(super) fn cross(
         return Err(NoSlopes::Kick { t });
     }
     put(system, after);
+    slides(system, t)?;
     let rests = system
         .description()
         .switches

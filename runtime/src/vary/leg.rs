@@ -1,7 +1,7 @@
 //! A piece of a motion, and how its end changes with all of its start.
 
 use super::flow::{Way, at_event, follow};
-use super::junction::{Column, put};
+use super::junction::{Column, put, slides};
 use super::response::Response;
 use super::{NoSlopes, constraints};
 use crate::error::Error;
@@ -61,6 +61,7 @@ pub(crate) fn leg(system: &mut dyn System, settings: &Settings, parameters: &[us
     let first = run.junctions.first().map_or_else(|| system.modes().to_vec(), |junction| junction.before.modes.clone());
     let side = Side { t: settings.from, y: start, modes: first, phase: settings.phase };
     put(system, &side);
+    slides(system, side.t)?;
     let mut response = Response::default();
     let mut rate = |system: &dyn System, side: &Side| -> Result<Vec<f64>, NoSlopes> {
         response.stand(system, At::packed(side.t, &side.y, n)).map_err(|f| fault(system, f))?;

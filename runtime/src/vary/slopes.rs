@@ -1,7 +1,7 @@
 //! A run with its slopes.
 
 use super::flow::{Moment, Way, at_event, follow, range};
-use super::junction::{Column, put};
+use super::junction::{Column, put, slides};
 use super::response::Response;
 use super::second::{Second, second};
 use super::start::{self, Start};
@@ -197,6 +197,7 @@ pub(crate) fn varied(
     let first = run.junctions.first().map_or_else(|| system.modes().to_vec(), |junction| junction.before.modes.clone());
     let side = Side { t: settings.from, y, modes: first, phase: settings.phase };
     put(system, &side);
+    slides(system, side.t)?;
     let columns = starts(system, (settings, origin), (&run, &side), unknowns)?;
     let sizes = columns.iter().map(|column| column.size).collect();
     let end = run.times.last().copied().unwrap_or(settings.from);

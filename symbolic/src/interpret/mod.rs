@@ -1,12 +1,14 @@
 //! Evaluating a program without compiling it: some 25 times slower than the generated code, and tested against it.
 
+use std::sync::Arc;
+
 use crate::expr::{Id, Scalar, Symbol, Tape};
 use crate::lower::{Accelerations, Entry, Part, Program};
 
-/// A program with values for its parameters, inputs and modes.
+/// A program with values for its parameters, inputs and modes; copies share the program.
 #[derive(Clone, Debug)]
 pub struct Interpreter {
-    program: Program,
+    program: Arc<Program>,
     /// Free parameters.
     pub parameters: Vec<f64>,
     /// Modes of the switches.
@@ -15,7 +17,7 @@ pub struct Interpreter {
     pub phases: Vec<f64>,
     /// Held values.
     pub memory: Vec<f64>,
-    tapes: Tapes,
+    tapes: Arc<Tapes>,
 }
 
 /// The functions that can be evaluated.
@@ -139,6 +141,7 @@ impl Interpreter {
         let phases = (0..program.model.phases.len()).map(|k| if k == 0 { 1.0 } else { 0.0 }).collect();
         let memory = vec![0.0; program.model.memory.len()];
         let starts: Vec<Id> = program.model.memory.iter().map(|held| held.start).collect();
+        let (program, tapes) = (Arc::new(program), Arc::new(tapes));
         let mut interpreter = Interpreter { program, parameters, modes, phases, memory, tapes };
         interpreter.memory = starts.into_iter().map(|id| interpreter.constant(id)).collect();
         interpreter

@@ -15,6 +15,7 @@ use super::stops::Stops;
 use super::{EventNote, Log, Remarkable};
 use crate::cause::Cause;
 use crate::integrate::{Endpoint, Segment};
+use crate::mechanism::sliding::fractions;
 use crate::mechanism::{Action, Direction, System, Trigger};
 
 /// Watches events and switches along a motion.
@@ -279,7 +280,13 @@ impl EventLocator {
         self.scanner.crossings = crossings;
         Ok(first.map(|crossing| match self.sampler.switch(crossing.function) {
             Some(switch) if crossing.theta == 0.0 => {
-                Interruption::Leaves { switch, side: if crossing.rising { 1.0 } else { -1.0 } }
+                segment.evaluate(0.0, &mut self.y);
+                let slides = system.sliding().iter().position(|other| *other == switch);
+                let above = match slides.zip(fractions(system, segment.t, &self.y)) {
+                    Some((place, w)) => w[place] > 0.5,
+                    None => crossing.rising,
+                };
+                Interruption::Leaves { switch, side: if above { 1.0 } else { -1.0 } }
             }
             _ => Interruption::At(crossing),
         }))
@@ -600,8 +607,12 @@ impl EventLocator {
         }
         for (switch, on) in on.into_iter().enumerate() {
             let function = self.sampler.function_of(switch);
-            self.scanner.sides[function] = modes::side(system, switch);
+            let slides = system.sliding().contains(&switch);
+            self.scanner.sides[function] = if slides { 1.0 } else { modes::side(system, switch) };
             self.scanner.fresh[function] |= on;
+            if slides {
+                self.scanner.zero[function] = 0.0;
+            }
             if on && self.restarts > RESTARTS {
                 return Err(Cause::Chattering { switch: modes::text(system, switch) }.into());
             }

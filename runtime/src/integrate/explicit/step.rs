@@ -144,6 +144,10 @@ impl<T: Scheme, Y: Block> OneStep for ExplicitRungeKutta<T, Y> {
         T::TABLEAU.control
     }
 
+    fn slides(&self) -> bool {
+        true
+    }
+
     fn counters(&self) -> Counters {
         Counters { evaluations: self.evaluations, ..Counters::default() }
     }

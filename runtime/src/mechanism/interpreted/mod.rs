@@ -5,7 +5,7 @@ mod extended;
 mod series;
 mod slopes;
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use dalembert_symbolic::interpret::{self, Function, Interpreter};
 use dalembert_symbolic::lower::Program;
@@ -19,33 +19,34 @@ use super::phased::{Phased, RowHistory, indicate, sprung};
 use super::system::Replaced;
 use super::{
     Along, At, Balances, Contacts, Description, Energy, Enforcement, Gimbal, Motion, MotionNumbers, Sampling, Scene,
-    Series, Signal, Singular, SingularMass, System,
+    Series, Signal, Singular, SingularMass, System, sliding,
 };
 use crate::cause::NoSeries;
 
-/// An interpreted mechanism.
+/// An interpreted mechanism; copies share what does not change.
 #[derive(Clone)]
 pub struct Interpreted {
     interpreter: Interpreter,
-    description: Description,
-    gimbals: Vec<Gimbal>,
-    motions: Vec<Motion>,
-    sampling: Sampling,
-    contacts: Contacts,
+    description: Arc<Description>,
+    gimbals: Arc<[Gimbal]>,
+    motions: Arc<[Motion]>,
+    sampling: Arc<Sampling>,
+    contacts: Arc<Contacts>,
     signals: Vec<Option<Replaced>>,
     derivation: Option<usize>,
     phased: Phased,
-    series: OnceLock<Option<OwnSeries>>,
+    sliding: Vec<usize>,
+    series: Arc<OnceLock<Option<OwnSeries>>>,
 }
 
 impl Interpreted {
     /// From a program and the text of its model file.
     pub fn new(program: Program, source: &str) -> Self {
-        let description = describe(&program, source);
+        let description = Arc::new(describe(&program, source));
         let gimbals = program.model.gimbals().iter().map(gimbal).collect();
         let motions = program.model.motions.iter().map(motion).collect();
-        let sampling = sampling(&program);
-        let contacts = contacts(&program);
+        let sampling = Arc::new(sampling(&program));
+        let contacts = Arc::new(contacts(&program));
         let signals = vec![None; program.model.inputs.len()];
         Interpreted {
             interpreter: Interpreter::new(program),
@@ -57,7 +58,8 @@ impl Interpreted {
             signals,
             derivation: None,
             phased: Phased::default(),
-            series: OnceLock::new(),
+            sliding: Vec::new(),
+            series: Arc::default(),
         }
     }
 
@@ -131,6 +133,9 @@ impl System for Interpreted {
     }
 
     fn assignments(&self, at: At<'_>, values: &mut [f64]) {
+        if !self.sliding.is_empty() {
+            return sliding::resolved(self, at).assignments(at, values);
+        }
         self.complete(Function::Assignments, at, self.sampling.sets_use_accelerations, values);
     }
 
@@ -159,6 +164,9 @@ impl System for Interpreted {
     }
 
     fn accelerations(&self, at: At<'_>, a: &mut [f64]) -> Result<(), Singular> {
+        if !self.sliding.is_empty() {
+            return sliding::accelerations_and_multipliers(self, at, a, &mut vec![0.0; self.description.rows.len()]);
+        }
         let determined = self.derivation.is_some_and(|balances| self.phased.is_determined(self, balances));
         if let Some(unknowns) = if determined { None } else { self.unknowns(at) } {
             a.copy_from_slice(&unknowns?[..a.len()]);
@@ -184,6 +192,9 @@ impl System for Interpreted {
     }
 
     fn accelerations_and_multipliers(&self, at: At<'_>, a: &mut [f64], lambda: &mut [f64]) -> Result<(), Singular> {
+        if !self.sliding.is_empty() {
+            return sliding::accelerations_and_multipliers(self, at, a, lambda);
+        }
         lambda.fill(0.0);
         if !self.active_rows().is_empty() {
             self.phased.reactions(self, at, a, lambda)?;
@@ -289,6 +300,9 @@ impl System for Interpreted {
     }
 
     fn residual(&self, at: At<'_>, f: &mut [f64]) {
+        if !self.sliding.is_empty() {
+            return sliding::resolved(self, at).residual(at, f);
+        }
         self.evaluate(Function::Residual, at, f);
     }
 
@@ -314,6 +328,9 @@ impl System for Interpreted {
     }
 
     fn energy(&self, at: At<'_>) -> Energy {
+        if !self.sliding.is_empty() {
+            return sliding::resolved(self, at).energy(at);
+        }
         let mut values = [0.0; 5];
         self.complete(Function::Energy, at, !self.description.structure.conservative, &mut values);
         sprung(self, at, Energy::from_array(values))
@@ -324,6 +341,9 @@ impl System for Interpreted {
     }
 
     fn outputs(&self, at: At<'_>, values: &mut [f64]) {
+        if !self.sliding.is_empty() {
+            return sliding::outputs(self, at, values);
+        }
         self.complete(Function::Outputs, at, self.description.outputs_use_accelerations, values);
         let Some(system) = self.derivation else { return };
         let pairs = &self.description.balances[system].outputs;
@@ -349,6 +369,9 @@ impl System for Interpreted {
     }
 
     fn events(&self, at: At<'_>, pairs: &mut [f64]) {
+        if !self.sliding.is_empty() {
+            return sliding::resolved(self, at).events(at, pairs);
+        }
         self.complete(Function::Events, at, self.description.events_use_accelerations, pairs);
     }
 
@@ -374,6 +397,7 @@ impl System for Interpreted {
 
     fn set_modes(&mut self, modes: &[f64]) {
         self.interpreter.modes.copy_from_slice(modes);
+        self.sliding = sliding::places(modes);
     }
 
     fn series(&self) -> Result<&Series, NoSeries> {
@@ -388,6 +412,14 @@ impl System for Interpreted {
             // Those that stand in constants are the same at all times.
             own.constants(&self.interpreter, &self.input_values(0.0), values);
         }
+    }
+
+    fn sliding(&self) -> &[usize] {
+        &self.sliding
+    }
+
+    fn can_slide(&self) -> bool {
+        true
     }
 
     fn drawing(&self, at: At<'_>, values: &mut [f64]) {
