@@ -212,7 +212,8 @@ fn sweep() -> Command {
         .arg(value("every", "TIME", "Spacing of the states among which extremes are looked for [default: 500 points]"))
         .arg(value("modes", "COUNT", "Frequencies in Hz and damping ratios of so many modes about the equilibrium of each run's parameters, the slowest first"))
         .arg(value("show", "A,B", "What is printed and drawn: a coordinate, rate or output at the end, or `min A`, `max A`, `events E`, `t`, `energy drift`, `warnings`, `frequency 1`, `damping 1` [default: coordinates, outputs and frequencies]"))
-        .arg(value("csv", "FILE.csv", "Where the table goes [default: NAME-sweep.csv]"))
+        .arg(value("csv", "FILE.csv", "Where the table goes, row by row, with FILE.csv.json beside it, which says what it is a table of; - for standard output, where the report goes to standard error [default: NAME-sweep.csv]"))
+        .arg(flag("resume", "Continue a sweep that was interrupted or killed: only runs that the table does not have; begins where there is none"))
         .arg(picture("plot", "Draw what is shown over the first of what varies"))
         .arg(value("log", "x,y", "Logarithmic axes of the plot: x, y or x,y [default: x where the first of what varies does so evenly in the logarithm]").requires("plot"))
         .arg(value("threads", "COUNT", "How many runs at a time [default: one a processor]"))
@@ -221,7 +222,7 @@ fn sweep() -> Command {
             many("merge", "FILE.csv", "Put the tables of all parts together instead of running")
                 .num_args(1..)
                 .allow_hyphen_values(false)
-                .conflicts_with_all(["vary", "points", "shard", "modes"]),
+                .conflicts_with_all(["vary", "points", "shard", "modes", "resume"]),
         )
 }
 

@@ -10,6 +10,7 @@ use clap::ArgMatches;
 use dalembert_symbolic::diagnose::did_you_mean_or;
 use dalembert_symbolic::print::fnv1a;
 use serde_json::{Value, json};
+use signal_hook::consts::{SIGINT, SIGTERM};
 
 use super::json::{number, object};
 use super::load::Loaded;
@@ -109,12 +110,14 @@ fn wants_digits(run: &Run, options: &ArgMatches) -> bool {
     options.get_flag("digits") || run.seconds < PATIENCE && !options.get_flag("no-digits")
 }
 
-/// True from the first Ctrl-C on; the second ends the program.
+/// True from the first Ctrl-C or request to end (SIGTERM) on; the second ends the program.
 pub fn interruption() -> Arc<AtomicBool> {
     let flag = Arc::new(AtomicBool::new(false));
-    // Where signals cannot be had, Ctrl-C ends the program as it always did.
-    let _ = signal_hook::flag::register_conditional_shutdown(signal_hook::consts::SIGINT, 130, flag.clone());
-    let _ = signal_hook::flag::register(signal_hook::consts::SIGINT, flag.clone());
+    for signal in [SIGINT, SIGTERM] {
+        // Where signals cannot be had, they end the program as they always did.
+        let _ = signal_hook::flag::register_conditional_shutdown(signal, 128 + signal, flag.clone());
+        let _ = signal_hook::flag::register(signal, flag.clone());
+    }
     flag
 }
 
