@@ -191,19 +191,13 @@ fn report(
     let run = &*run;
     let file = |name: &str| options.get_one::<String>(name);
     let unwritten = |error: Error| Problem::File(error.to_string());
-    // Of a table on standard output the report is no part.
-    let mut stderr = std::io::stderr();
-    let out: &mut dyn Write = match file("csv").map(String::as_str) {
-        Some("-") => {
-            write!(out, "{}", run.to_csv())?;
-            &mut stderr
-        }
-        Some(path) => {
-            run.csv(path).map_err(unwritten)?;
-            out
-        }
-        None => out,
-    };
+    let (table, mut out) = outputs::streams(options, out);
+    let out = &mut *out;
+    match (table, file("csv")) {
+        (Some(table), _) => write!(table, "{}", run.to_csv())?,
+        (None, Some(path)) => run.csv(path).map_err(unwritten)?,
+        (None, None) => (),
+    }
     if let Some(path) = file("plot") {
         let scene = file("scene").map_or("scene", String::as_str);
         let mut runs = vec![(scene.to_owned(), run)];

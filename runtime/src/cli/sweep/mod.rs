@@ -40,6 +40,8 @@ const TOLD: usize = 500;
 const MOST_MODES: usize = 100;
 /// What is drawn over the first of what varies has a line for each combination of the others, up to so many.
 const MOST_LINES: usize = 12;
+/// What the file beside the table is called where it cannot be written.
+const BESIDE: &str = "csv (what the table is of)";
 
 /// Runs all, or merges the tables of parts; prints a table, and writes it whole.
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
@@ -67,15 +69,11 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     if let Some(path) = options.get_one::<String>("plot") {
         outputs::draw(path, draw(&loaded, &table, varied, &shown, log))?;
     }
-    // Of a table on standard output the report is no part.
-    let mut stderr = std::io::stderr();
-    let out: &mut dyn Write = if path == "-" {
-        write!(out, "{}", table.to_csv())?;
-        &mut stderr
-    } else {
-        out
-    };
-    print(&table, varied, &shown, out)?;
+    let (output, mut out) = outputs::streams(options, out);
+    if let Some(output) = output {
+        write!(output, "{}", table.to_csv())?;
+    }
+    print(&table, varied, &shown, &mut *out)?;
     if path != "-" {
         writeln!(out, "written: {path}")?;
     }
@@ -91,7 +89,8 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
 fn check_files(options: &ArgMatches, path: &str, loaded: &Loaded) -> Result<(), Problem> {
     let beside = experiment::path(path);
     let beside = Some(beside.as_str()).filter(|_| experiment::is_kept(path));
-    let files = [("csv", Some(path)), ("csv", beside), ("plot", options.get_one("plot").map(String::as_str))];
+    let plot = options.get_one("plot").map(String::as_str);
+    let files = [("csv", Some(path)), (BESIDE, beside), ("plot", plot)];
     outputs::check_paths(files.into_iter().filter_map(|(option, path)| Some((option, path?))), &loaded.path)?;
     let read = options.get_many::<String>("merge").into_iter().flatten().chain(options.get_one::<String>("points"));
     outputs::keep(path, read.map(String::as_str))
