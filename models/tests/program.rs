@@ -174,3 +174,37 @@ fn a_new_file_knows_its_schema() {
     assert!(out.contains("wrote ring.yaml") && !out.contains("schema"), "{out}");
     assert_eq!(fs::read_to_string(folder.join("dalembert.schema.json")).expect("a schema"), "{}");
 }
+
+#[test]
+fn generated_code_is_written_and_checked() {
+    let folder = folder("generate");
+    let generate = ["generate", "good.yaml", "--name", "Weight", "-o", "bob.rs"];
+    let (out, _, status) = told(&done(&folder, &generate));
+    assert!(out.contains("wrote bob.rs") && status == Some(0), "{out}");
+    let code = fs::read_to_string(folder.join("bob.rs")).expect("code");
+    let renew =
+        code.lines().nth(1).and_then(|line| line.strip_prefix("// To renew it: dalembert ")).expect("a command");
+    assert_eq!(renew.split(' ').collect::<Vec<_>>(), generate);
+    assert!(code.contains("pub struct Weight") && code.contains("::dalembert::generated_for!("), "{code}");
+    let check = |arguments: &[&str]| told(&done(&folder, &[arguments, &["--check"]].concat()));
+    assert_eq!(check(&generate), ("bob.rs is the code of good.yaml\n".to_owned(), String::new(), Some(0)));
+    // Another way to the same files is no difference; another model is one.
+    let model = folder.join("good.yaml");
+    let model = model.to_str().expect("a path");
+    assert_eq!(check(&["generate", model, "--name", "Weight", "-o", "./bob.rs", "-q"]).2, Some(0));
+    fs::write(folder.join("good.yaml"), MODEL.replace("10 m/s^2", "9 m/s^2")).expect("a file");
+    let (_, refused, status) = check(&generate);
+    assert!(refused.contains("the first line that differs is 1:") && status == Some(1), "{refused}");
+    assert_eq!(fs::read_to_string(folder.join("bob.rs")).expect("code"), code);
+    fs::write(folder.join("good.yaml"), MODEL).expect("a file");
+    fs::write(folder.join("bob.rs"), code.replacen("pub m: f64,", "pub m: f32,", 1)).expect("a file");
+    let (_, refused, _) = check(&generate);
+    assert!(refused.contains("there        pub m: f32,") && refused.contains("expected     pub m: f64,"), "{refused}");
+
+    let (_, refused, status) = check(&["generate", "good.yaml", "-o", "none.rs"]);
+    assert!(refused.contains("cannot read none.rs") && status == Some(1), "{refused}");
+    let (_, refused, status) = told(&done(&folder, &["generate", "good.yaml", "--name", "fn"]));
+    assert!(refused.contains("--name wants the name of a Rust type") && status == Some(2), "{refused}");
+    let (series, ..) = told(&done(&folder, &["generate", "good.yaml", "--methods", "taylor"]));
+    assert!(series.contains("fn series()") && !code.contains("fn series()"), "{series}");
+}

@@ -38,6 +38,7 @@ pub fn command() -> Command {
                 .arg(flag("symmetries", "Exchanges and reflections of coordinates that leave the equations as they are, and which of them each scene's start has").conflicts_with("json"))
                 .arg(flag("json", "Print one JSON object; of a file with mistakes these, with their places")),
         )
+        .subcommand(generate())
         .subcommand(simulate())
         .subcommand(modes())
         .subcommand(solve())
@@ -93,6 +94,43 @@ pub fn completed(names: &[&'static str]) -> Command {
         sub.mut_arg("model", |model| model.value_parser(names))
     })
 }
+
+fn generate() -> Command {
+    Command::new("generate")
+        .about(
+            "Writes the code that `model!` expands to, to check in: its crate needs neither the macro nor the deriver",
+        )
+        .after_help(GENERATE)
+        .arg(model())
+        .args(sizes())
+        .arg(output("FILE.rs"))
+        .arg(value("name", "NAME", "The type's name [default: the file's]"))
+        .arg(
+            Arg::new("methods")
+                .long("methods")
+                .value_name("METHODS")
+                .value_parser(["taylor"])
+                .help("What Taylor's method needs too"),
+        )
+        .arg(
+            flag(
+                "check",
+                "Write nothing: fail where the file is not the model's code, and tell the first line that differs",
+            )
+            .requires("output"),
+        )
+        .arg(quiet())
+}
+
+/// How a crate takes generated code.
+const GENERATE: &str = "\
+In the crate that has the file as src/swing.rs:
+
+  #[rustfmt::skip]
+  mod swing;
+
+and in its Cargo.toml `dalembert = { version = \"…\", default-features = false }`. Where the code was generated for another
+version of dalembert than that, the compiler says so.";
 
 fn import() -> Command {
     Command::new("import")

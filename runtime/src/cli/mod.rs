@@ -19,6 +19,7 @@ mod drawn;
 mod enforcement;
 mod families;
 mod freedoms;
+mod generate;
 mod import;
 mod json;
 mod list;
@@ -99,6 +100,7 @@ pub fn run(
     match command {
         "list" => list::run(models, out),
         "show" => show::run(models, options, out),
+        "generate" => generate::run(models, options, out),
         "check" => check::run(models, options, out),
         "simulate" => simulate::run(models, options, out),
         "orbit" => orbit::run(models, options, out),
