@@ -203,6 +203,8 @@ fn generated_code_is_written_and_checked() {
 
     let (_, refused, status) = check(&["generate", "good.yaml", "-o", "none.rs"]);
     assert!(refused.contains("cannot read none.rs") && status == Some(1), "{refused}");
+    let (_, refused, status) = check(&["generate", "good.yaml", "-o", "-"]);
+    assert!(refused.contains("--check compares with a file") && status == Some(2), "{refused}");
     let (_, refused, status) = told(&done(&folder, &["generate", "good.yaml", "--name", "fn"]));
     assert!(refused.contains("--name wants the name of a Rust type") && status == Some(2), "{refused}");
     let (series, ..) = told(&done(&folder, &["generate", "good.yaml", "--methods", "taylor"]));

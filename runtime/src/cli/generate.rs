@@ -16,6 +16,9 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     let asked = text("model").unwrap_or_default();
     let path = text("output").unwrap_or("-");
     outputs::ends_in(path, &["rs"])?;
+    if options.get_flag("check") && path == "-" {
+        return Err(Problem::Usage("error: --check compares with a file; name it by -o FILE.rs".to_owned()));
+    }
     let name = text("name").map(type_name).transpose()?;
     let model = ModelFile::named(models, asked, sizes(options)?)?;
     let problem = |problems: &[_]| Problem::Model(file::render(&model.path, &model.source, problems));

@@ -205,3 +205,31 @@ fn complete(text: &[u8]) -> &[u8] {
     }
     &text[..end]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_that_were_not_written_to_their_ends_are_left_out() {
+        let whole = "run,x,error\n1,2.0,\n0,,\"first\nsecond \"\"quoted\"\"\"\n";
+        let ends = [0, 12, 19, whole.len()];
+        for length in 0..=whole.len() {
+            let expected = ends.into_iter().rev().find(|end| *end <= length).unwrap_or(0);
+            assert_eq!(complete(&whole.as_bytes()[..length]).len(), expected, "{length}");
+        }
+    }
+
+    #[test]
+    fn a_table_that_is_read_is_written_the_same() {
+        let path = std::env::temp_dir().join(format!("dalembert-table-{}.csv", std::process::id()));
+        let cells = vec![Some(-0.0), None, Some(5e-324), Some(f64::MAX), Some(0.1)];
+        let names = ["run", "a", "b", "c", "d", "e", "error"].map(str::to_owned).to_vec();
+        let table = Table { names, rows: vec![Row { run: 3, cells, error: "a, \"b\"\nc".to_owned() }] };
+        std::fs::write(&path, table.to_csv()).expect("a file");
+        let read = Table::read(path.to_str().expect("a path")).expect("a table");
+        std::fs::remove_file(&path).expect("the file");
+        let (again, length) = read.expect("names");
+        assert_eq!((again.to_csv(), length), (table.to_csv(), table.to_csv().len() as u64));
+    }
+}
