@@ -58,6 +58,10 @@ macro_rules! generated_for {
     };
 }
 
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
+
 mod cause;
 #[cfg(feature = "cli")]
 pub mod cli;
@@ -85,6 +89,9 @@ mod simulate;
 mod testing;
 pub mod trust;
 mod vary;
+
+/// The linear algebra of matrices and complex numbers that this crate returns, in the version that it returns them in.
+pub use nalgebra;
 
 pub use cause::{Cause, GimbalLock, NoSeries};
 pub use constrain::Residuals;
