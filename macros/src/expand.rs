@@ -133,6 +133,25 @@ mod tests {
         assert!(syn::parse_str::<Arguments>("yaml = \"\", warnings = \"never\"").is_err());
     }
 
+    /// Every model of the library: the macro's items are those of the file that `generate` writes.
+    #[test]
+    fn generated_files_have_the_same_tokens() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
+        let files = std::fs::read_dir(&folder).unwrap().map(|file| file.unwrap().path());
+        let files: Vec<PathBuf> = files.filter(|path| path.extension().is_some_and(|e| e == "yaml")).collect();
+        assert!(files.len() > 50);
+        for file in files {
+            let path = format!("../models/{}", file.file_name().unwrap().to_string_lossy());
+            let expanded = expand(&syn::parse_str(&format!("{path:?}")).unwrap()).to_string();
+            let text = std::fs::read_to_string(&file).unwrap();
+            let program = lower::compile_in(Some(&folder), &text, &[]).unwrap();
+            let name = print::type_name(&program.model.name);
+            let generated = print::source_file(&program, &text, &name, "dalembert generate\nfn hidden() {}");
+            let generated = generated.parse::<TokenStream>().unwrap().to_string();
+            assert!(generated.len() > 1000 && expanded.ends_with(&generated), "{path}");
+        }
+    }
+
     #[test]
     fn a_model_without_doubts_says_nothing() {
         let yaml = "name: Spring\ncoordinates: {x: }\nkinetic_energy: x'^2/2\n";

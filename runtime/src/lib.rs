@@ -23,11 +23,44 @@
 #![doc = include_str!("../examples/sampled_loop.rs")]
 //! ```
 //!
+//! # Features
+//!
+//! | feature | adds | on by default |
+//! | --- | --- | --- |
+//! | `macros` | the macro [`model!`], with the deriver at compile time | yes |
+//! | `interpret` | systems from model files that nobody compiled, and what re-derives them: `needs`, references in double-double; takes the deriver into the program | no |
+//! | `ensemble` | many runs at once, in SIMD lanes and in threads | no |
+//! | `modal` | modes of damped and gyroscopic systems | no |
+//! | `png` | figures as PNG and PDF, animations as PNG and GIF; a font is built in | no |
+//! | `cli` | the command line as a function, `cli::main`; with `interpret` and `ensemble` | no |
+//!
+//! Without features there is neither macro nor deriver: `dalembert generate FILE.yaml -o src/x.rs` writes what the macro would expand
+//! to, for a crate that checks it in. `dalembert generate … --check` fails where that is no longer the model's code.
+//!
 //! # Where to look
 //! - [`model!`]: the macro and its forms; [`Simulate`]: what every generated type can do.
 //! - [`Simulation`] and [`Run`]: settings of a run and its results; [`trust`]: drift and warnings.
 //! - [`mechanism`]: the traits that generated code implements, for code of your own over any mechanism.
 //! - [`show`]: charts, tables and animations.
+
+/// Accepts code that was generated for this version of the library, which calls it; it is bumped with `FORMAT` of the printer whenever
+/// what generated code implements or calls changes.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! generated_for {
+    (1) => {};
+    ($format:literal) => {
+        ::core::compile_error!(::core::concat!(
+            "this code was generated for format ",
+            $format,
+            " of dalembert, and this version of the library reads format 1: write it again by this version's `dalembert generate`"
+        ));
+    };
+}
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
 
 mod cause;
 #[cfg(feature = "cli")]
@@ -56,6 +89,9 @@ mod simulate;
 mod testing;
 pub mod trust;
 mod vary;
+
+/// The linear algebra of matrices and complex numbers that this crate returns, in the version that it returns them in.
+pub use nalgebra;
 
 pub use cause::{Cause, GimbalLock, NoSeries};
 pub use constrain::Residuals;

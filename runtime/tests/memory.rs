@@ -380,9 +380,7 @@ fn starts_by_hand_and_columns() {
     assert_eq!(json(&["simulate", &file.0])["memory"], serde_json::json!({"n": 4.0, "u": 2.0}));
     assert_eq!(json(&["simulate", &file.0, "--scene", "more"])["memory"]["n"], 31.0);
     assert_eq!(json(&["simulate", &file.0, "--set", "N=5"])["memory"]["u"], 10.0);
-    let table = File::new("swept", "");
-    run(&["sweep", &file.0, "--vary", "N=1,2", "--csv", &table.0]).expect("a table");
-    let swept = std::fs::read_to_string(&table.0).expect("a table");
+    let swept = run(&["sweep", &file.0, "--vary", "N=1,2", "--csv", "-"]).expect("a table");
     let mut rows = swept.lines().map(|line| line.split(',').collect::<Vec<&str>>());
     let place = rows.next().and_then(|names| names.iter().position(|name| *name == "u")).expect("a column of u");
     let held: Vec<Option<f64>> = rows.map(|row| row[place].parse().ok()).collect();

@@ -1,5 +1,9 @@
 //! Everything before Rust exists: reads a model file, checks it, derives its equations and prints them.
 
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
+
 pub mod derive;
 pub mod diagnose;
 pub mod expr;

@@ -1,18 +1,15 @@
-//! A stranger's crate builds against dalembert and runs.
+//! Strangers' crates build against dalembert and run: one with the macro, one with generated code that is checked in.
 
+use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Output};
+
+use dalembert::prelude::*;
+use dalembert_models::{MODELS, double_pendulum::DoublePendulum};
 
 #[test]
 fn a_crate_outside_the_workspace_builds_and_runs() {
-    let manifest = Path::new(env!("CARGO_MANIFEST_DIR")).join("outside/Cargo.toml");
-    let output = Command::new(env!("CARGO"))
-        .args(["run", "--quiet", "--locked", "--manifest-path"])
-        .arg(&manifest)
-        .arg("--target-dir")
-        .arg(target())
-        .output()
-        .expect("cargo can be started");
+    let output = cargo(&["run", "--quiet"], &folder("outside"));
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     let told = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.success(), "{told}");
@@ -31,6 +28,66 @@ fn a_crate_outside_the_workspace_builds_and_runs() {
     let expected = std::f64::consts::PI * (2.5_f64 / 9.81).sqrt() / a;
     assert!((number("half period ") - expected).abs() < 1e-8, "{text}");
     assert!(number("balance ") < 1e-10, "{text}");
+}
+
+fn folder(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
+}
+
+/// What cargo says of the crate in this folder.
+fn cargo(arguments: &[&str], folder: &Path) -> Output {
+    let mut command = Command::new(env!("CARGO"));
+    command.args(arguments).arg("--locked").arg("--manifest-path").arg(folder.join("Cargo.toml"));
+    command.env("CARGO_TARGET_DIR", target()).output().expect("cargo can be started")
+}
+
+fn told(output: &Output) -> (String, String) {
+    (String::from_utf8_lossy(&output.stdout).into_owned(), String::from_utf8_lossy(&output.stderr).into_owned())
+}
+
+#[test]
+fn code_that_is_checked_in_runs_to_the_same_bits_without_the_deriver() {
+    let checked = folder("outside-checked");
+    let (bits, said) = told(&cargo(&["run", "--quiet"], &checked));
+    assert_eq!(said, "", "the code compiles without a warning");
+    let run = DoublePendulum::default().simulate().tolerance(1e-10).run().expect("a run");
+    let end = run.last();
+    let expected: Vec<String> = end.q.iter().chain(&end.v).map(|x| format!("{:016x}", x.to_bits())).collect();
+    assert_eq!(bits.trim(), expected.join(" "));
+
+    let (tree, said) = told(&cargo(&["tree", "--prefix", "none", "--edges", "normal,build"], &checked));
+    assert!(tree.contains("dalembert v") && tree.contains("nalgebra v"), "{tree}{said}");
+    for without in
+        ["syn", "quote", "proc-macro2", "dalembert-macros", "dalembert-symbolic", "serde_yaml", "saphyr-parser"]
+    {
+        let taken = tree.lines().find(|line| line.split(' ').next() == Some(without));
+        assert_eq!(taken, None, "{tree}");
+    }
+
+    let (model, code) = (folder("../models/double_pendulum.yaml"), checked.join("src/double_pendulum.rs"));
+    let paths = [&model, &code].map(|path| path.to_str().expect("a path"));
+    let check = ["dalembert", "generate", paths[0], "-o", paths[1], "--check"];
+    dalembert::cli::run(MODELS, check, &mut Vec::new()).expect("the code of the model");
+}
+
+#[test]
+fn code_of_another_format_is_refused_by_the_compiler_in_words() {
+    let (checked, other) = (folder("outside-checked"), Path::new(env!("CARGO_TARGET_TMPDIR")).join("other-format"));
+    fs::create_dir_all(other.join("src")).expect("a folder");
+    for file in ["Cargo.lock", "src/main.rs"] {
+        fs::copy(checked.join(file), other.join(file)).expect("a file");
+    }
+    let runtime = fs::canonicalize(folder("../runtime")).expect("the runtime");
+    let changed = |file: &str, from: &str, to: &str| {
+        let text = fs::read_to_string(checked.join(file)).expect("a file");
+        assert!(text.contains(from), "{file}");
+        fs::write(other.join(file), text.replace(from, to)).expect("a file");
+    };
+    changed("Cargo.toml", "../../runtime", runtime.to_str().expect("a path"));
+    changed("src/double_pendulum.rs", "generated_for!(1)", "generated_for!(0)");
+    let (_, said) = told(&cargo(&["build", "--quiet"], &other));
+    assert!(said.contains("this code was generated for format 0 of dalembert"), "{said}");
+    assert!(said.contains("write it again by this version's `dalembert generate`"), "{said}");
 }
 
 /// A folder beside this test's own target folder, so that a second run finds what the first built.

@@ -99,7 +99,80 @@ fn parts_are_put_together_to_the_same_bytes_whatever_the_number_of_threads() {
     let missing = merge(&parts[..2]).expect_err("a part is missing");
     assert!(missing.contains("run 1 is missing"), "{missing}");
     let twice = merge(&[part(1), part(1), part(2), part(3)]).expect_err("a part stands twice");
-    assert!(twice.contains("run 0 stands in two parts"), "{twice}");
+    assert!(twice.contains("run 0 stands there twice"), "{twice}");
+}
+
+/// Parts of different sweeps would make a table of nothing.
+#[test]
+fn parts_of_different_sweeps_are_refused_with_what_differs() {
+    let folder = folder("different");
+    let path = |name: &str| folder.join(name).to_str().expect("a path").to_owned();
+    let model = path("bob.yaml");
+    let text = "name: Bob\nparameters: {m: 1 kg, l: 1 m}\ncoordinates: {x: m}\nbodies: {bob: {mass: m, position: \"[x, l]\"}}\n\
+                scene: {start: {x: 1, x': 1}, until: 1}\n";
+    fs::write(&model, text).expect("a file");
+    let sweep = |name: &str, shard: &str, more: &[&str]| {
+        let vary: &[&str] = if more.contains(&"--vary") { &[] } else { &["--vary", "m=1,2,3"] };
+        let path = path(name);
+        told(&[&["sweep", &model, "--shard", shard, "--csv", &path], vary, more].concat()).expect("a sweep");
+        path
+    };
+    let merge = |parts: [&str; 2]| told(&["sweep", &model, "--merge", parts[0], parts[1], "--csv", &path("all.csv")]);
+    let first = sweep("first.csv", "1/2", &[]);
+    let others: [(&[&str], &str); 6] = [
+        (&["--set", "l=2"], "parameter l: 1.0 and 2.0"),
+        (&["--tolerance", "1e-3"], "--tolerance: not given and 1e-3"),
+        (&["--start", "x=2"], "--start x: not given and 2"),
+        (&["--until", "2"], "--until: not given and 2"),
+        (&["--vary", "m=1,2,4"], "values of m: 3 from 1.0 to 3.0 ("),
+        (&["--vary", "l=1,2,3"], "varies: m and l"),
+    ];
+    for (more, difference) in others {
+        let refused = merge([&first, &sweep("other.csv", "2/2", more)]).expect_err("another sweep");
+        assert!(refused.contains("are not of one sweep") && refused.contains(difference), "{more:?}: {refused}");
+    }
+    let second = sweep("second.csv", "2/2", &[]);
+    merge([&first, &second]).expect("a table");
+    // What is continued must be the same to the part.
+    let again = ["sweep", &model, "--vary", "m=1,2,3", "--csv", &second, "--resume", "--shard"];
+    let refused = told(&[&again[..], &["1/2"]].concat()).expect_err("another part");
+    assert!(refused.contains("shard: 2/2 and 1/2"), "{refused}");
+    let before = fs::read_to_string(&second).expect("a table");
+    told(&[&again[..], &["2/2"]].concat()).expect("nothing is left to do");
+    assert_eq!(fs::read_to_string(&second).expect("a table"), before);
+    // The model's text, and a table of which nothing is known.
+    fs::write(&model, text.replace("until: 1", "until: 3")).expect("a file");
+    let refused = merge([&first, &second]).expect_err("another model");
+    assert!(refused.contains("bob.yaml, or its file has changed"), "{refused}");
+    fs::remove_file(format!("{second}.json")).expect("what says what it is a table of");
+    let refused = merge([&first, &second]).expect_err("a table without it");
+    assert!(refused.contains("second.csv.json") && refused.contains("belongs beside it"), "{refused}");
+}
+
+/// A part without its last run leaves no gap between the others.
+#[test]
+fn a_last_run_that_is_missing_is_missed() {
+    let folder = folder("last");
+    let path = |name: &str| folder.join(name).to_str().expect("a path").to_owned();
+    let (first, second) = (path("first.csv"), path("second.csv"));
+    for (part, shard) in [(&first, "1/2"), (&second, "2/2")] {
+        swept(&part.into(), &[&GRID[..], &["--shard", shard]].concat());
+    }
+    let text = fs::read_to_string(&second).expect("a table");
+    let cut = text.trim_end().rfind('\n').expect("rows") + 1;
+    fs::write(&second, &text[..cut]).expect("a file");
+    let merge = ["sweep", "double_pendulum", "--merge", &first, &second, "--csv", "/dev/null"];
+    let missing = told(&merge).expect_err("a run is missing");
+    assert!(missing.contains("run 5 is missing") && missing.contains("--resume"), "{missing}");
+}
+
+#[test]
+fn a_table_may_go_to_standard_output() {
+    let folder = folder("output");
+    let expected = swept(&folder.join("all.csv"), &GRID);
+    assert_eq!(told(&[&["sweep"], &GRID[..], &["--csv", "-"]].concat()).expect("a sweep"), expected);
+    let refused = told(&[&["sweep"], &GRID[..], &["--csv", "-", "--resume"]].concat()).expect_err("no file");
+    assert!(refused.contains("--resume continues the table of a file"), "{refused}");
 }
 
 #[test]

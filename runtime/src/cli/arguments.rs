@@ -12,6 +12,7 @@ pub fn command() -> Command {
         .version(env!("CARGO_PKG_VERSION"))
         .subcommand_required(true)
         .arg_required_else_help(true)
+        .after_help(EXIT_CODES)
         .subcommand(Command::new("list").about("Names the models of the library"))
         .subcommand(
             Command::new("show")
@@ -24,17 +25,20 @@ pub fn command() -> Command {
                 .arg(flag("latex", "Print them in LaTeX"))
                 .arg(flag("python", "Print a module for Python (NumPy) that gives M, h and the rate of the state"))
                 .arg(flag("json", "Print one JSON object"))
+                .arg(output("FILE"))
                 .group(ArgGroup::new("form").args(["rust", "latex", "python", "json"])),
         )
         .subcommand(
             Command::new("check")
                 .about("Reads and derives a model, or several, and says what was tested")
-                .arg(model().num_args(1..))
+                .arg(model().value_name("FILES").num_args(1..))
                 .args(sizes())
+                .arg(quiet())
                 .arg(flag("routh", "The equations without the coordinates and directions that can be ignored, by Routh's procedure, and what they cost").conflicts_with("json"))
                 .arg(flag("symmetries", "Exchanges and reflections of coordinates that leave the equations as they are, and which of them each scene's start has").conflicts_with("json"))
                 .arg(flag("json", "Print one JSON object; of a file with mistakes these, with their places")),
         )
+        .subcommand(generate())
         .subcommand(simulate())
         .subcommand(modes())
         .subcommand(solve())
@@ -47,15 +51,17 @@ pub fn command() -> Command {
                 .about("Maps where a method is stable: growth per step of an oscillator over hω and its damping, measured, beside theory")
                 .arg(Arg::new("method").value_name("METHOD").required(true).help("dop853, radau5, …"))
                 .arg(value("longest", "NUMBER", "How far the map goes: h·ω [default: 7]"))
-                .arg(picture("plot", "Where the map goes [default: METHOD-stability.svg]")),
+                .arg(picture("plot", "Where the map goes [default: METHOD-stability.svg]").short('o'))
+                .arg(quiet()),
         )
         .subcommand(
             Command::new("new")
-                .about("Writes a commented model file to start from")
-                .arg(Arg::new("name").value_name("NAME").required(true).help("The file's name, without .yaml")),
+                .about("Writes a commented model file to start from, and beside it the schema that editors complete its keys by")
+                .arg(Arg::new("name").value_name("NAME").required(true).help("The file's name, without .yaml"))
+                .arg(quiet()),
         )
         .subcommand(import())
-        .subcommand(Command::new("schema").about("Writes a JSON schema of model files, by which editors complete keys and underline others"))
+        .subcommand(Command::new("schema").about("Writes a JSON schema of model files, by which editors complete keys and underline others").arg(output("FILE.json")))
         .subcommand(
             Command::new("completions")
                 .about("Writes a script by which a shell completes commands and options; Bash and Zsh also names of models")
@@ -69,6 +75,14 @@ pub fn command() -> Command {
         )
 }
 
+/// What the program ends with.
+const EXIT_CODES: &str = "\
+Exit codes:
+  0  done
+  1  a model file is wrong, a run failed or was interrupted (what was computed is written all the same), or a file
+     cannot be read or written
+  2  wrong usage: an option, a name or a value";
+
 /// The grammar as shells are told of it: models by their names too.
 pub fn completed(names: &[&'static str]) -> Command {
     let has_model = |command: &Command| command.get_arguments().any(|argument| argument.get_id() == "model");
@@ -81,12 +95,50 @@ pub fn completed(names: &[&'static str]) -> Command {
     })
 }
 
+fn generate() -> Command {
+    Command::new("generate")
+        .about(
+            "Writes the code that `model!` expands to, to check in: its crate needs neither the macro nor the deriver",
+        )
+        .after_help(GENERATE)
+        .arg(model())
+        .args(sizes())
+        .arg(output("FILE.rs"))
+        .arg(value("name", "NAME", "The type's name [default: the file's]"))
+        .arg(
+            Arg::new("methods")
+                .long("methods")
+                .value_name("METHODS")
+                .value_parser(["taylor"])
+                .help("What Taylor's method needs too"),
+        )
+        .arg(
+            flag(
+                "check",
+                "Write nothing: fail where the file is not the model's code, and tell the first line that differs",
+            )
+            .requires("output"),
+        )
+        .arg(quiet())
+}
+
+/// How a crate takes generated code.
+const GENERATE: &str = "\
+In the crate that has the file as src/swing.rs:
+
+  #[rustfmt::skip]
+  mod swing;
+
+and in its Cargo.toml `dalembert = { version = \"…\", default-features = false }`. Where the code was generated for another
+version of dalembert than that, the compiler says so.";
+
 fn import() -> Command {
     Command::new("import")
         .about("Writes a model file from a robot's URDF: a coordinate a joint, frames, bodies, dampers, momentum balances and simple solids")
         .after_help(IMPORT)
         .arg(Arg::new("robot").value_name("FILE.urdf").required(true).help("The robot; macros (xacro) expanded").value_hint(ValueHint::FilePath))
         .arg(value("output", "FILE.yaml", "Where the model goes; - for standard output [default: the robot's file name, here, unless it is there]").short('o').value_hint(ValueHint::FilePath))
+        .arg(quiet())
         .arg(flag("floating", "Let a robot that nothing holds move: its root gets a floating joint to the ground"))
 }
 
@@ -111,6 +163,7 @@ fn simulate() -> Command {
         .about("Runs a scene; prints the final state, outputs and how far to trust them")
         .arg(model())
         .args(sizes())
+        .arg(quiet())
         .args(scene())
         .arg(value("method", "METHOD", "auto [default], dop853, rkn8, dopri5, rk4, midpoint, euler; verlet (or rattle), srkn4, suzuki4, kahanli8, gauss2, gauss4, gauss6; radau5, rodas5p; exact"))
         .arg(value("step", "TIME", "A fixed step"))
@@ -128,7 +181,7 @@ fn simulate() -> Command {
         .arg(value("state", "FILE", "A state to start from, as --save writes it; --start goes before"))
         .arg(value("save", "FILE", "Write the final state, to start from it"))
         .arg(value("every", "TIME", "Spacing of reported states [default: 500 points]"))
-        .arg(value("csv", "FILE", "Write reported states and outputs as a table; - for standard output, where the report goes to standard error"))
+        .arg(value("csv", "FILE", "Write reported states and outputs as a table; - for standard output, where the report goes to standard error").short('o'))
         .arg(picture("plot", "Draw them"))
         .arg(many("show", "A,B", "A chart of the plot, and beside the animation: coordinates, rates or outputs against time, a chart a unit, or X:Y, a portrait; several make several charts [default: paths and coordinates in the plot]").requires("drawn"))
         .arg(value("section", "PERIOD", "Portraits of states at multiples of this time only: a stroboscopic section").requires("show"))
@@ -151,6 +204,7 @@ fn solve() -> Command {
         .about("Finds starts, parameters and end times for which outputs have given values, are largest or smallest, or follow a record")
         .arg(model())
         .args(sizes())
+        .arg(quiet())
         .args(scene())
         .arg(value("motion", "NAME", "A motion of the file: its start, unknowns and what it wants, to which the other options add or in whose place they come").id(MOTION).conflicts_with("scene"))
         .arg(many("unknown", "NAME=GUESS", "What is unknown: parameters, coordinates and rates (theta') at the start, or `until`, where the run ends; several, also A=1,B=2"))
@@ -172,6 +226,7 @@ fn orbit() -> Command {
         .about("Finds a motion that repeats, up to exchanges, mirrors, shifts and turns; prints its period and its multipliers")
         .arg(model())
         .args(sizes())
+        .arg(quiet())
         .args(scene())
         .arg(value("motion", "NAME", "A motion of the file that closes, to which the other options add").id(MOTION).conflicts_with("scene"))
         .arg(value("period", "TIME", "A guess of the period; of a mechanism that depends on time, the period [default: what time enters with, or where the run comes near to itself]"))
@@ -203,6 +258,7 @@ fn sweep() -> Command {
         .about("Runs a scene many times, in threads, while parameters or starts vary; writes a table of ends, extremes and events")
         .arg(model())
         .args(sizes())
+        .arg(quiet())
         .args(scene())
         .arg(many("vary", "NAME=A..B:COUNT", "What varies: a parameter, or a coordinate or speed at the start; evenly, evenly in the logarithm (A..B:COUNT:log), or by a list (A,B,C); several make a grid"))
         .arg(value("points", "FILE.csv", "The values of all runs, a column for each of what varies").conflicts_with("vary"))
@@ -212,7 +268,8 @@ fn sweep() -> Command {
         .arg(value("every", "TIME", "Spacing of the states among which extremes are looked for [default: 500 points]"))
         .arg(value("modes", "COUNT", "Frequencies in Hz and damping ratios of so many modes about the equilibrium of each run's parameters, the slowest first"))
         .arg(value("show", "A,B", "What is printed and drawn: a coordinate, rate or output at the end, or `min A`, `max A`, `events E`, `t`, `energy drift`, `warnings`, `frequency 1`, `damping 1` [default: coordinates, outputs and frequencies]"))
-        .arg(value("csv", "FILE.csv", "Where the table goes [default: NAME-sweep.csv]"))
+        .arg(value("csv", "FILE.csv", "Where the table goes, row by row, with FILE.csv.json beside it, which says what it is a table of; - for standard output, where the report goes to standard error [default: NAME-sweep.csv]").short('o'))
+        .arg(flag("resume", "Continue a sweep that was interrupted or killed: only runs that the table does not have; begins where there is none"))
         .arg(picture("plot", "Draw what is shown over the first of what varies"))
         .arg(value("log", "x,y", "Logarithmic axes of the plot: x, y or x,y [default: x where the first of what varies does so evenly in the logarithm]").requires("plot"))
         .arg(value("threads", "COUNT", "How many runs at a time [default: one a processor]"))
@@ -221,7 +278,7 @@ fn sweep() -> Command {
             many("merge", "FILE.csv", "Put the tables of all parts together instead of running")
                 .num_args(1..)
                 .allow_hyphen_values(false)
-                .conflicts_with_all(["vary", "points", "shard", "modes"]),
+                .conflicts_with_all(["vary", "points", "shard", "modes", "resume"]),
         )
 }
 
@@ -231,6 +288,7 @@ fn modes() -> Command {
         .about("Finds an equilibrium; prints M, C, K and the modes of small motions about it")
         .arg(model())
         .args(sizes())
+        .arg(quiet())
         .args([scene, set, params])
         .arg(many("input", "NAME=VALUE", "Hold an input at a value [default: all at 0]"))
         .arg(many("at", "NAME=VALUE", "Where the search starts [default: the file's `equilibrium`]"))
@@ -261,6 +319,7 @@ fn chart() -> Command {
         .about("Charts speed against accuracy: what every method that suits, and every way of treating constraints, costs for its error; and, of a scene with `needs`, every model that leaves something out; with --steps errors against step sizes")
         .arg(model())
         .args(sizes())
+        .arg(quiet())
         .args(scene().into_iter().filter(|arg| arg.get_id() != "tolerance"))
         .arg(flag("steps", "Chart errors against step sizes instead, halved down to rounding, with the order that each method shows; methods with error control only where --methods names them").conflicts_with_all(["twin", "needs", "within"]))
         .arg(value("methods", "A,B", "Only these methods [default: all that suit]"))
@@ -268,7 +327,7 @@ fn chart() -> Command {
         .arg(value("twin", "NAME", "Another file of the same mechanism, in minimal coordinates say, at its scene of the same name or its first; compared by outputs of the same names"))
         .args(wanted("the scene's `needs`; without either, what can be left out is not asked", "the scene's `needs`, or 1e-3"))
         .arg(picture("plot", "Where the charts go [default: NAME-chart.svg, NAME-steps.svg]"))
-        .arg(value("csv", "FILE.csv", "Where all points go [default: NAME-chart.csv, NAME-steps.csv]"))
+        .arg(value("csv", "FILE.csv", "Where all points go; - for standard output, where the report goes to standard error [default: NAME-chart.csv, NAME-steps.csv]").short('o'))
         .arg(value("max-steps", "COUNT", "With --steps: no run takes more of them [default: 1000000]").value_parser(clap::value_parser!(u64)).requires("steps"))
         .arg(flag("json", "With --steps: print one JSON object").requires("steps"))
 }
@@ -279,10 +338,11 @@ fn needs() -> Command {
         .about("Tells what a scene can do without: tries every force, body, mass, input and coordinate, prints what each changes and saves, and writes the smaller model")
         .arg(model())
         .args(sizes())
+        .arg(quiet())
         .args([scene, set, params, start, until])
         .args(wanted("the scene's `needs`, or all coordinates and outputs", "the scene's `needs`, or 1e-3"))
         .arg(flag("all", "Leave out too what saves less than a twentieth of the work"))
-        .arg(value("write", "FILE.yaml", "Write the smaller model: the file's text without what goes, and what was found in comments; beside it, as FILE_test.rs, a test that compares both"))
+        .arg(value("write", "FILE.yaml", "Write the smaller model: the file's text without what goes, and what was found in comments; beside it, as FILE_test.rs, a test that compares both").short('o'))
         .arg(picture("plot", "Draw what each omission changes against the work that is left"))
         .arg(flag("json", "Print one JSON object"))
 }
@@ -297,6 +357,17 @@ fn wanted(outputs: &str, within: &str) -> [Arg; 2] {
 /// What a run does not look at.
 fn ignored() -> Arg {
     many("ignore", "EVENT", "An event that does nothing and is not recorded; several, also A,B")
+}
+
+/// Where what a command prints goes.
+fn output(placeholder: &'static str) -> Arg {
+    value("output", placeholder, "Where it goes; - for standard output [default]")
+        .short('o')
+        .value_hint(ValueHint::FilePath)
+}
+
+fn quiet() -> Arg {
+    flag("quiet", "Print no report: only errors, warnings, and data as JSON or on standard output").short('q')
 }
 
 /// A model's name or path.

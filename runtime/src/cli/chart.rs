@@ -18,6 +18,8 @@ use crate::{Error, Settings};
 /// Measures every method that suits, and every way of treating constraints; prints a table and what follows from it, and
 /// writes the charts and all points.
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+    let (table, mut out) = outputs::streams(options, out);
+    let out = &mut *out;
     let mut loaded = Loaded::find(models, options)?;
     let by_steps = options.get_flag("steps");
     let files = [("plot", "svg"), ("csv", "csv")].map(|(option, ending)| {
@@ -40,7 +42,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         let found = said(|progress| {
             Convergence::measure_extended(&candidates, &plan, model.as_ref().map_err(|why| *why), progress)
         })?;
-        return steps::report(&found, &files, options.get_flag("json"), out);
+        return steps::report(&found, &files, options.get_flag("json"), (table, out));
     }
     let twin = options
         .get_one::<String>("twin")
@@ -75,7 +77,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         writeln!(out, "what the scene can do without:\n{sentence}")?;
     }
     let fidelity = reduced.and_then(Result::ok).map(|found| found.fidelity());
-    write_files(&measured, fidelity.as_ref(), &files, out)
+    write_files(&measured, fidelity.as_ref(), &files, (table, out))
 }
 
 /// What the scene can do without, or why that is not known; `None` where neither the options nor the file say what it is run for.
@@ -95,6 +97,14 @@ fn reduced(loaded: &mut Loaded, options: &ArgMatches) -> Result<Option<Result<Ne
         Err(Problem::Run(why)) => Ok(Some(Err(why))),
         Err(problem) if asked => Err(problem),
         Err(problem) => Ok(Some(Err(problem.to_string().trim_start_matches("error: ").to_owned()))),
+    }
+}
+
+/// Writes a table to its file, or to standard output.
+fn put_table(path: &str, table: &str, output: Option<&mut dyn Write>) -> Result<(), Problem> {
+    match output {
+        Some(output) => Ok(output.write_all(table.as_bytes())?),
+        None => outputs::write(path, table),
     }
 }
 
@@ -226,7 +236,7 @@ fn write_files(
     measured: &[WorkPrecision],
     fidelity: Option<&Fidelity>,
     [plot, csv]: &[String; 2],
-    out: &mut dyn Write,
+    (output, out): (Option<&mut dyn Write>, &mut dyn Write),
 ) -> Result<(), Problem> {
     let mut charts = measured.iter().flat_map(|found| found.figure().charts).collect::<Vec<_>>();
     charts.extend(fidelity.map(Fidelity::chart));
@@ -236,7 +246,7 @@ fn write_files(
         table += rows;
     }
     outputs::draw(plot, charts)?;
-    outputs::write(csv, &table)?;
-    [plot, csv].into_iter().try_for_each(|path| writeln!(out, "written: {path}"))?;
+    put_table(csv, &table, output)?;
+    [plot, csv].into_iter().filter(|path| *path != "-").try_for_each(|path| writeln!(out, "written: {path}"))?;
     Ok(())
 }

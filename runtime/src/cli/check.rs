@@ -19,7 +19,7 @@ use crate::mechanism::{At, Balances, Interpreted, System};
 /// Derives the model anew and prints the report.
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let names: Vec<&String> = options.get_many::<String>("model").into_iter().flatten().collect();
-    let mut failed = None;
+    let (mut failed, mut wrong) = (None, 0);
     for (place, name) in names.iter().enumerate() {
         if place > 0 && !options.get_flag("json") {
             writeln!(out)?;
@@ -27,6 +27,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         match one(models, name, options, out) {
             // Of several files all are looked at; what is wrong with the last is said by who called.
             Err(problem) if !matches!(problem, Problem::Closed) => {
+                wrong += 1;
                 if let Some(before) = failed.replace(problem) {
                     eprintln!("{before}");
                 }
@@ -34,7 +35,11 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
             other => other?,
         }
     }
-    failed.map_or(Ok(()), Err)
+    match (failed, names.len()) {
+        (None, _) => Ok(()),
+        (Some(only), 1) => Err(only),
+        (Some(last), count) => Err(Problem::Model(format!("{last}\nerror: {wrong} of {count} files are wrong"))),
+    }
 }
 
 /// One file.

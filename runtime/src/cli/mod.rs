@@ -8,7 +8,7 @@
 //! }
 //! ```
 //!
-//! Exit status: 0 done, 1 the run failed (what was computed is still written), 2 bad usage or a bad model file.
+//! Exit codes are those that `--help` states (`arguments.rs`).
 
 mod arguments;
 mod chart;
@@ -19,6 +19,7 @@ mod drawn;
 mod enforcement;
 mod families;
 mod freedoms;
+mod generate;
 mod import;
 mod json;
 mod list;
@@ -91,22 +92,28 @@ pub fn run(
         }
         Err(error) => return Err(Problem::Usage(error.to_string())),
     };
-    match matches.subcommand() {
-        Some(("list", _)) => list::run(models, out),
-        Some(("show", options)) => show::run(models, options, out),
-        Some(("check", options)) => check::run(models, options, out),
-        Some(("simulate", options)) => simulate::run(models, options, out),
-        Some(("orbit", options)) => orbit::run(models, options, out),
-        Some(("solve", options)) => solve::run(models, options, out),
-        Some(("chart", options)) => chart::run(models, options, out),
-        Some(("stability", options)) => stability::run(options, out),
-        Some(("sweep", options)) => sweep::run(models, options, out),
-        Some(("modes", options)) => modes::run(models, options, out),
-        Some(("needs", options)) => needs::run(models, options, out),
-        Some(("new", options)) => new::run(options, out),
-        Some(("import", options)) => import::run(options, out),
-        Some(("schema", _)) => schema::run(out),
-        Some(("completions", options)) => completions::run(models, options, out),
-        _ => Err(Problem::Usage(arguments::command().render_help().to_string())),
+    let Some((command, options)) = matches.subcommand() else {
+        return Err(Problem::Usage(arguments::command().render_help().to_string()));
+    };
+    let mut nothing = std::io::sink();
+    let out = if outputs::is_quiet(options) { &mut nothing } else { out };
+    match command {
+        "list" => list::run(models, out),
+        "show" => show::run(models, options, out),
+        "generate" => generate::run(models, options, out),
+        "check" => check::run(models, options, out),
+        "simulate" => simulate::run(models, options, out),
+        "orbit" => orbit::run(models, options, out),
+        "solve" => solve::run(models, options, out),
+        "chart" => chart::run(models, options, out),
+        "stability" => stability::run(options, out),
+        "sweep" => sweep::run(models, options, out),
+        "modes" => modes::run(models, options, out),
+        "needs" => needs::run(models, options, out),
+        "new" => new::run(options, out),
+        "import" => import::run(options, out),
+        "schema" => schema::run(options, out),
+        "completions" => completions::run(models, options, out),
+        other => Err(Problem::Usage(format!("error: no command is called `{other}`"))),
     }
 }

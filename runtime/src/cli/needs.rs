@@ -23,7 +23,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     let comparison = options.get_one::<String>("write").map(|path| comparison_path(path));
     let files = [
         ("write", options.get_one::<String>("write")),
-        ("write", comparison.as_ref()),
+        ("write (the test beside it)", comparison.as_ref()),
         ("plot", options.get_one::<String>("plot")),
     ];
     let files = files.into_iter().filter_map(|(option, path)| Some((option, path?.as_str())));

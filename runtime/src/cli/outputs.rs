@@ -1,6 +1,7 @@
 //! Files that a command will write, looked at before it computes anything.
 
 use std::fs::{self, File};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::ArgMatches;
@@ -33,6 +34,11 @@ pub fn check_paths<'a>(paths: impl Iterator<Item = (&'a str, &'a str)>, model: &
         if (name, path) == ("csv", "-") {
             continue;
         }
+        if path == "-" {
+            return Err(Problem::Usage(format!(
+                "error: {option}: only tables go to standard output, by --csv -; name a file"
+            )));
+        }
         let asked = Path::new(path);
         if same_file(asked, Path::new(model)) {
             return Err(Problem::File(format!("{option} {path} would overwrite the model file")));
@@ -40,6 +46,9 @@ pub fn check_paths<'a>(paths: impl Iterator<Item = (&'a str, &'a str)>, model: &
         match name {
             "plot" => drawable(path)?,
             "animate" => playable(path)?,
+            "csv" => ends_in(path, &["csv"])?,
+            "save" => ends_in(path, &["yaml", "yml", "txt"])?,
+            "write" => ends_in(path, &["yaml", "yml"])?,
             _ => (),
         }
         if !asked.exists() {
@@ -107,16 +116,64 @@ fn has_format(path: &str, has_pixels: fn(&Path) -> bool, known: &[&str]) -> Resu
     if has_pixels(&path) && !cfg!(feature = "png") {
         return Err(Problem::Usage(format!("error: {}", Error::NeedsPng { path })));
     }
-    match path.extension() {
+    ends_in(&path.to_string_lossy(), known)
+}
+
+/// Refuses a file whose ending is none of these; one without an ending is what it is asked to be.
+///
+/// # Errors
+/// [`Problem::Usage`].
+pub fn ends_in(path: &str, known: &[&str]) -> Result<(), Problem> {
+    match Path::new(path).extension() {
         Some(own) if !known.iter().any(|known| own.eq_ignore_ascii_case(known)) => {
             let names = known.iter().map(|name| format!("`.{name}`")).collect::<Vec<_>>().join(", ");
-            let path = path.display();
             Err(Problem::Usage(format!(
-                "error: {path}: nothing is drawn in that format; end the name in one of {names}"
+                "error: {path}: nothing is written in that format; end the name in one of {names}"
             )))
         }
         _ => Ok(()),
     }
+}
+
+/// Whether no report is wanted; what is data for others, as JSON or a table on standard output, is no report.
+pub fn is_quiet(options: &ArgMatches) -> bool {
+    wants(options, "quiet") && !wants(options, "json") && !has_table_on_output(options)
+}
+
+fn wants(options: &ArgMatches, flag: &str) -> bool {
+    options.try_get_one::<bool>(flag).ok().flatten().is_some_and(|given| *given)
+}
+
+fn has_table_on_output(options: &ArgMatches) -> bool {
+    options.try_get_one::<String>("csv").ok().flatten().is_some_and(|path| path == "-")
+}
+
+/// Where a table goes, if to standard output, and the report, which then goes to standard error.
+pub fn streams<'a>(options: &ArgMatches, out: &'a mut dyn Write) -> (Option<&'a mut dyn Write>, Box<dyn Write + 'a>) {
+    match has_table_on_output(options) {
+        true if wants(options, "quiet") => (Some(out), Box::new(std::io::sink())),
+        true => (Some(out), Box::new(std::io::stderr())),
+        false => (None, Box::new(out)),
+    }
+}
+
+/// Writes what a command prints to the file of `--output`, or to standard output.
+///
+/// # Errors
+/// An ending that is none of these, the model file, or a file that cannot be written.
+pub fn put(
+    options: &ArgMatches,
+    endings: &[&str],
+    model: &str,
+    text: &[u8],
+    out: &mut dyn Write,
+) -> Result<(), Problem> {
+    let Some(path) = options.get_one::<String>("output").filter(|path| *path != "-") else {
+        return Ok(out.write_all(text)?);
+    };
+    check(options, &["output"], model)?;
+    ends_in(path, endings)?;
+    fs::write(path, text).map_err(|problem| Problem::File(format!("cannot write `{path}`: {problem}")))
 }
 
 /// Writes a file that was looked at before.

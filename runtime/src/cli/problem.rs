@@ -18,11 +18,11 @@ pub enum Problem {
 }
 
 impl Problem {
-    /// The process's exit status.
+    /// The process's exit code.
     pub fn status(&self) -> u8 {
         match self {
-            Problem::Usage(_) | Problem::Model(_) => 2,
-            Problem::Run(_) | Problem::File(_) | Problem::Closed => 1,
+            Problem::Usage(_) => 2,
+            Problem::Model(_) | Problem::Run(_) | Problem::File(_) | Problem::Closed => 1,
         }
     }
 }

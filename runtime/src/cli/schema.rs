@@ -4,9 +4,10 @@
 
 use std::io::Write;
 
+use clap::ArgMatches;
 use serde_json::{Map, Value, json};
 
-use super::Problem;
+use super::{Problem, outputs};
 
 /// A key with what it holds: the name of a definition, or `NAME*` for a mapping of names to them.
 type Key = (&'static str, &'static str, &'static str);
@@ -262,9 +263,13 @@ const OBJECTS: &[(&str, &[Key])] = &[
 ];
 
 /// Prints the schema.
-pub fn run(out: &mut dyn Write) -> Result<(), Problem> {
-    writeln!(out, "{}", serde_json::to_string_pretty(&schema()).unwrap_or_default())?;
-    Ok(())
+pub fn run(options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+    outputs::put(options, &["json"], "", text().as_bytes(), out)
+}
+
+/// The schema as text.
+pub fn text() -> String {
+    serde_json::to_string_pretty(&schema()).unwrap_or_default() + "\n"
 }
 
 /// What a model file may contain.

@@ -10,11 +10,26 @@ use dalembert_symbolic::{file, print};
 use serde_json::Value;
 
 use super::load::{Loaded, pairs};
-use super::{Entry, Problem, check, json};
+use super::{Entry, Problem, check, json, outputs};
 
 /// Prints M, h, constraints and what was recognised; with `--rust` or `--python` code.
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let loaded = Loaded::find(models, options)?;
+    let mut text = Vec::new();
+    print_form(&loaded, options, &mut text)?;
+    let form = ["rust", "latex", "python", "json"].into_iter().find(|form| options.get_flag(form));
+    let endings: &[&str] = match form {
+        Some("rust") => &["rs"],
+        Some("latex") => &["tex"],
+        Some("python") => &["py"],
+        Some("json") => &["json"],
+        _ => &["txt", "md"],
+    };
+    outputs::put(options, endings, &loaded.path, &text, out)
+}
+
+/// Prints what the options ask for.
+fn print_form(loaded: &Loaded, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let program = loaded.program()?;
     let model = &program.model;
     if options.get_flag("rust") {

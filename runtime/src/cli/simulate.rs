@@ -10,6 +10,7 @@ use clap::ArgMatches;
 use dalembert_symbolic::diagnose::did_you_mean_or;
 use dalembert_symbolic::print::fnv1a;
 use serde_json::{Value, json};
+use signal_hook::consts::{SIGINT, SIGTERM};
 
 use super::json::{number, object};
 use super::load::Loaded;
@@ -109,12 +110,14 @@ fn wants_digits(run: &Run, options: &ArgMatches) -> bool {
     options.get_flag("digits") || run.seconds < PATIENCE && !options.get_flag("no-digits")
 }
 
-/// True from the first Ctrl-C on; the second ends the program.
+/// True from the first Ctrl-C or request to end (SIGTERM) on; the second ends the program.
 pub fn interruption() -> Arc<AtomicBool> {
     let flag = Arc::new(AtomicBool::new(false));
-    // Where signals cannot be had, Ctrl-C ends the program as it always did.
-    let _ = signal_hook::flag::register_conditional_shutdown(signal_hook::consts::SIGINT, 130, flag.clone());
-    let _ = signal_hook::flag::register(signal_hook::consts::SIGINT, flag.clone());
+    for signal in [SIGINT, SIGTERM] {
+        // Where signals cannot be had, they end the program as they always did.
+        let _ = signal_hook::flag::register_conditional_shutdown(signal, 128 + signal, flag.clone());
+        let _ = signal_hook::flag::register(signal, flag.clone());
+    }
     flag
 }
 
@@ -188,19 +191,13 @@ fn report(
     let run = &*run;
     let file = |name: &str| options.get_one::<String>(name);
     let unwritten = |error: Error| Problem::File(error.to_string());
-    // Of a table on standard output the report is no part.
-    let mut stderr = std::io::stderr();
-    let out: &mut dyn Write = match file("csv").map(String::as_str) {
-        Some("-") => {
-            write!(out, "{}", run.to_csv())?;
-            &mut stderr
-        }
-        Some(path) => {
-            run.csv(path).map_err(unwritten)?;
-            out
-        }
-        None => out,
-    };
+    let (table, mut out) = outputs::streams(options, out);
+    let out = &mut *out;
+    match (table, file("csv")) {
+        (Some(table), _) => write!(table, "{}", run.to_csv())?,
+        (None, Some(path)) => run.csv(path).map_err(unwritten)?,
+        (None, None) => (),
+    }
     if let Some(path) = file("plot") {
         let scene = file("scene").map_or("scene", String::as_str);
         let mut runs = vec![(scene.to_owned(), run)];

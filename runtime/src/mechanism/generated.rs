@@ -81,10 +81,12 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
         &[]
     }
     /// How power series of M, h, J and γ follow from that of the motion; `None` where the macro was not asked for them (`methods = "taylor"`).
+    #[doc(hidden)]
     fn series() -> Option<&'static Series> {
         None
     }
     /// The numbers that the recurrences are made with.
+    #[doc(hidden)]
     fn series_constants<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], values: &mut [S]) {
         let _ = (c, t, u, values);
     }

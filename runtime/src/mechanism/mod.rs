@@ -49,6 +49,7 @@ pub use phased::RowHistory;
 pub use real::Real;
 pub use sampling::{Clock, Sampling, Target, Trigger};
 pub(crate) use series::{Jets, MotionJets, dot};
+#[doc(hidden)]
 pub use series::{Place, Recurrence, Series};
 pub use singular::{Singular, SingularMass};
 pub(crate) use slopes::AccelerationSlopes;
@@ -57,6 +58,7 @@ pub use solve::solve_packed;
 pub(crate) use solve::{factor_packed, solve_packed_slice, substitute_back, substitute_forward};
 pub(crate) use subsystem::OfPart;
 pub use system::{Along, Function, Signal, System};
+#[doc(hidden)]
 pub use table::Table;
 
 /// Energies of a state.

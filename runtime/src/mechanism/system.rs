@@ -383,11 +383,13 @@ pub trait System: Send + Sync {
     ///
     /// # Errors
     /// Why there are none.
+    #[doc(hidden)]
     fn series(&self) -> Result<&Series, NoSeries> {
         Err(NoSeries::Functions)
     }
 
     /// The numbers that [`System::series`] is made with, at the present parameters, modes and phase.
+    #[doc(hidden)]
     fn series_constants(&self, values: &mut [f64]) {
         let _ = values;
     }

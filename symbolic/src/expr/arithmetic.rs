@@ -352,12 +352,13 @@ impl Graph {
     }
 
     fn fold_unary(&mut self, function: Unary, value: Number) -> Option<Id> {
-        let folded = match function {
-            Unary::Sqrt => value.sqrt(),
-            Unary::Abs => value.abs(),
-            Unary::Sin | Unary::Cos if let Some(exact) = of_twelfths(function, value) => exact,
-            _ => DoubleDouble::unary(function, value.to_double_double()).into(),
+        let exact = match function {
+            Unary::Sqrt => Some(value.sqrt()),
+            Unary::Abs => Some(value.abs()),
+            Unary::Sin | Unary::Cos => of_twelfths(function, value),
+            _ => None,
         };
+        let folded = exact.unwrap_or_else(|| DoubleDouble::unary(function, value.to_double_double()).into());
         // Values that are not finite stay nodes.
         folded.is_finite().then(|| self.constant(folded))
     }

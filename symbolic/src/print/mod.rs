@@ -22,6 +22,7 @@ mod rust;
 mod scenes;
 mod scope;
 mod series;
+mod source_file;
 mod units;
 mod words;
 
@@ -34,6 +35,7 @@ pub use reading::Reading;
 pub use resting::resting_place;
 pub use rust::rust;
 pub use scope::OWN;
+pub use source_file::{FORMAT, first_difference, source_file};
 pub use units::si_unit;
 
 /// What stands for a model that has errors: a type without coordinates that implements `Mechanism<0, 0>`, so that

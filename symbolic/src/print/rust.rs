@@ -7,6 +7,7 @@ use super::constants::name_constants;
 use super::mechanism::Mechanism;
 use super::parameters::parameters;
 use super::scope::Names;
+use super::source_file::format_check;
 use crate::expr::{Id, Node, Number, Rational, Symbol, Table, Unary};
 use crate::lower::{Accelerations, Program};
 use crate::model::{Clock, Contact, EventAction, Goal};
@@ -48,7 +49,7 @@ pub fn rust(program: &Program, source: &str, name: &str) -> String {
         constants: &constants,
         block: first_memory + program.model.memory.len(),
     };
-    parameters(program, name, &mechanism.unhoisted) + &mechanism.text(source, name)
+    parameters(program, name, &mechanism.unhoisted) + &mechanism.text(source, name) + &format_check()
 }
 
 /// What stands before every `impl` of generated code: its numbers and its style are the file's, not its author's.

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::super::json::{self, number, object};
 use super::super::{Problem, outputs};
-use super::left_out;
+use super::{left_out, put_table};
 use crate::precision::{Convergence, StepCurve};
 
 /// Prints a table and where the curves end, and writes the chart and all points.
@@ -14,10 +14,10 @@ pub fn report(
     found: &Convergence,
     [plot, csv]: &[String; 2],
     as_data: bool,
-    out: &mut dyn Write,
+    (output, out): (Option<&mut dyn Write>, &mut dyn Write),
 ) -> Result<(), Problem> {
     outputs::draw(plot, found.chart())?;
-    outputs::write(csv, &found.to_csv())?;
+    put_table(csv, &found.to_csv(), output)?;
     if as_data {
         return Ok(json::write(&as_json(found), out)?);
     }
@@ -28,7 +28,7 @@ pub fn report(
     writeln!(out, "{}\n\n{}", reference.sentence(), found.table())?;
     left_out(&found.refused, out)?;
     writeln!(out, "{}\n", found.sentence())?;
-    [plot, csv].into_iter().try_for_each(|path| writeln!(out, "written: {path}"))?;
+    [plot, csv].into_iter().filter(|path| *path != "-").try_for_each(|path| writeln!(out, "written: {path}"))?;
     Ok(())
 }
 

@@ -27,7 +27,7 @@ use dalembert_symbolic::diagnose::{Place, Problem as Mistake};
 use dalembert_symbolic::file::render;
 use dalembert_symbolic::model;
 
-use super::Problem;
+use super::{Problem, outputs};
 use plan::Plan;
 use robot::{Joint, Kind, Limits, Link, Pose, Robot};
 
@@ -44,6 +44,7 @@ pub fn run(options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
         Path::new(from).file_stem().map_or_else(|| "robot".to_owned(), |stem| stem.to_string_lossy().into_owned());
     let chosen = options.get_one::<String>("output");
     let path = chosen.cloned().unwrap_or_else(|| format!("{name}.yaml"));
+    outputs::ends_in(&path, &["yaml", "yml"])?;
     if chosen.is_none() && Path::new(&path).exists() {
         return Err(Problem::Usage(format!("error: {path} exists already; say where with `-o FILE.yaml`")));
     }

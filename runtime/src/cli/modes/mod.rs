@@ -51,6 +51,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     let mut drawn = PICTURES.iter().filter_map(|name| options.get_one::<String>(name));
     drawn.try_for_each(|path| outputs::drawable(path))?;
     options.get_one::<String>("animate").map_or(Ok(()), |path| outputs::playable(path))?;
+    options.get_one::<String>("matrices").map_or(Ok(()), |path| outputs::ends_in(path, &["mtx", "csv"]))?;
     let mut loaded = Loaded::find(models, options)?;
     super::drawn::check(&loaded, options)?;
     let (scene, mut reader) = choose(&mut loaded, options)?;

@@ -1,8 +1,11 @@
 //! `sweep`: many runs of one mechanism, and a table of what came of them.
 
+mod experiment;
+mod kept;
 pub(super) mod points;
 mod table;
 
+use std::collections::HashSet;
 use std::io::{IsTerminal, Write};
 use std::ops::ControlFlow;
 use std::sync::OnceLock;
@@ -10,6 +13,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use clap::ArgMatches;
 
+use experiment::Experiment;
+use kept::Kept;
 use points::{Points, Varied, usage};
 use table::{Row, Table, results};
 
@@ -20,7 +25,7 @@ use super::simulate::interruption;
 use super::{Entry, Problem, outputs};
 use crate::Settings;
 use crate::ensemble::spread;
-use crate::mechanism::{Description, HIDDEN, Method};
+use crate::mechanism::{Description, HIDDEN, Method, System};
 use crate::numbers::short;
 use crate::run::Names;
 use crate::show::{Axis, Chart, Figure, Series, unit};
@@ -35,37 +40,80 @@ const TOLD: usize = 500;
 const MOST_MODES: usize = 100;
 /// What is drawn over the first of what varies has a line for each combination of the others, up to so many.
 const MOST_LINES: usize = 12;
+/// What the file beside the table is called where it cannot be written.
+const BESIDE: &str = "csv (what the table is of)";
 
 /// Runs all, or merges the tables of parts; prints a table, and writes it whole.
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let mut loaded = Loaded::find(models, options)?;
     let path = options.get_one::<String>("csv").cloned().unwrap_or_else(|| format!("{}-sweep.csv", loaded.name));
-    let files = [("csv", Some(&path)), ("plot", options.get_one::<String>("plot"))];
-    let files = files.into_iter().filter_map(|(option, path)| Some((option, path?.as_str())));
-    outputs::check_paths(files, &loaded.path)?;
-    let read = options.get_many::<String>("merge").into_iter().flatten().chain(options.get_one::<String>("points"));
-    outputs::keep(&path, read.map(String::as_str))?;
+    check_files(options, &path, &loaded)?;
     let columns = names(loaded.system.description());
-    let wanted = wanted_modes(options)?;
     let log = log_axes(options)?;
-    let table = match options.get_many::<String>("merge") {
-        Some(parts) => Table::merge(&parts.map(String::as_str).collect::<Vec<_>>())?,
-        None => compute(&mut loaded, options, &columns, wanted)?,
+    let merged = options.get_many::<String>("merge");
+    let merged = merged.map(|parts| Table::merge(&parts.map(String::as_str).collect::<Vec<_>>())).transpose()?;
+    let modes = match &merged {
+        Some((table, _)) => table.names.iter().filter(|name| name.starts_with("frequency ")).count(),
+        None => wanted_modes(options)?,
     };
-    let modes = table.names.iter().filter(|name| name.starts_with("frequency ")).count();
     let results = results(&columns, loaded.system.description(), modes);
+    let shown = shown(options, &results, &columns)?;
+    let (table, all) = match merged {
+        Some((table, experiment)) => (put_together(&loaded, (table, experiment), &results, &path)?, None),
+        None => {
+            let (table, all) = compute(&mut loaded, options, (&columns, modes), &path)?;
+            (table, Some(all))
+        }
+    };
+    let varied = table.names.len().saturating_sub(results.len() + 2);
+    if let Some(path) = options.get_one::<String>("plot") {
+        outputs::draw(path, draw(&loaded, &table, varied, &shown, log))?;
+    }
+    let (output, mut out) = outputs::streams(options, out);
+    if let Some(output) = output {
+        write!(output, "{}", table.to_csv())?;
+    }
+    print(&table, varied, &shown, &mut *out)?;
+    if path != "-" {
+        writeln!(out, "written: {path}")?;
+    }
+    if let Some(all) = all.filter(|all| table.rows.len() < *all) {
+        let way_out = if experiment::is_kept(&path) { "; the same command with --resume continues" } else { "" };
+        let done = table.rows.len();
+        return Err(Problem::Run(format!("interrupted: {done} of {all} runs are in the table{way_out}")));
+    }
+    failures(&table)
+}
+
+/// Refuses files that cannot be written, or that the table is made from.
+fn check_files(options: &ArgMatches, path: &str, loaded: &Loaded) -> Result<(), Problem> {
+    let beside = experiment::path(path);
+    let beside = Some(beside.as_str()).filter(|_| experiment::is_kept(path));
+    let plot = options.get_one("plot").map(String::as_str);
+    let files = [("csv", Some(path)), (BESIDE, beside), ("plot", plot)];
+    outputs::check_paths(files.into_iter().filter_map(|(option, path)| Some((option, path?))), &loaded.path)?;
+    let read = options.get_many::<String>("merge").into_iter().flatten().chain(options.get_one::<String>("points"));
+    outputs::keep(path, read.map(String::as_str))
+}
+
+/// Writes the table of all parts of a sweep, if they are of this model.
+fn put_together(
+    loaded: &Loaded,
+    (table, experiment): (Table, Experiment),
+    results: &[String],
+    path: &str,
+) -> Result<Table, Problem> {
+    experiment.refuse_other_model(loaded)?;
     let varied = table.names.len().saturating_sub(results.len() + 2);
     if varied == 0 || table.names[1 + varied..].iter().ne(results.iter().chain(&["error".to_owned()])) {
         return Err(usage(format!("these tables are not of {}: their columns differ", loaded.name)));
     }
-    let shown = shown(options, &results, &columns)?;
-    std::fs::write(&path, table.to_csv()).map_err(|e| Problem::File(format!("cannot write `{path}`: {e}")))?;
-    if let Some(path) = options.get_one::<String>("plot") {
-        let figure = draw(&loaded, &table, varied, &shown, log);
-        outputs::draw(path, figure)?;
-    }
-    print(&table, varied, &shown, out)?;
-    writeln!(out, "written: {path}")?;
+    kept::replace(path, &table, &experiment)?;
+    Ok(table)
+}
+
+/// What failed of the runs of a table.
+fn failures(table: &Table) -> Result<(), Problem> {
     match table.rows.iter().filter(|row| !row.error.is_empty()).collect::<Vec<_>>().as_slice() {
         [] => Ok(()),
         [first, ..] if table.rows.len() == 1 => Err(Problem::Run(first.error.clone())),
@@ -104,44 +152,99 @@ fn wanted_modes(options: &ArgMatches) -> Result<usize, Problem> {
     }
 }
 
-fn compute(loaded: &mut Loaded, options: &ArgMatches, columns: &[String], modes: usize) -> Result<Table, Problem> {
+/// Runs what the table at this path does not have yet; the table, and how many rows it has when all are run.
+fn compute(
+    loaded: &mut Loaded,
+    options: &ArgMatches,
+    (columns, modes): (&[String], usize),
+    path: &str,
+) -> Result<(Table, usize), Problem> {
     let (scene, mut reader) = choose(loaded, options)?;
     let changes = Changes::read(loaded, &mut reader, options)?;
     let points = Points::read(loaded, &mut reader, options)?;
     let method = options.get_one::<String>("method").map(|text| text.parse::<Method>());
     let method = method.transpose().map_err(|e| usage(e.to_string()))?;
-    let threads = options.get_one::<String>("threads").map(|text| match text.trim().parse::<usize>() {
-        Ok(threads @ 1..=4096) => Ok(threads),
-        _ => Err(usage(format!("--threads wants a number from 1 to 4096, not `{text}`"))),
-    });
-    let threads = threads.transpose()?;
+    let threads = threads(options)?;
     let (shard, shards) = shard(options)?;
+    let experiment = Experiment::of(loaded, &mut reader, options, scene, &points)?;
     loaded.warnings.append(&mut reader.notes);
     for warning in &loaded.warnings {
         eprintln!("warning: {warning}");
     }
-
     let description = loaded.system.description();
-    let runs: Vec<usize> = (shard..points.len()).step_by(shards).collect();
-    let (system, interrupted) = (&*loaded.system, interruption());
-    let stopped = || interrupted.load(Ordering::Relaxed);
-    let (done, shown) = (AtomicUsize::new(0), std::io::stderr().is_terminal());
-    let first_note = OnceLock::new();
-    let rows = spread(runs.len(), threads, |place| {
+    let varied = points.varied.iter().map(Varied::column);
+    let names = std::iter::once("run".to_owned()).chain(varied).chain(results(columns, description, modes));
+    let names: Vec<String> = names.chain(["error".to_owned()]).collect();
+    let kept = Kept::begin(path, &names, &experiment, options.get_flag("resume"))?;
+    let there: HashSet<usize> = kept.done.iter().map(|row| row.run).collect();
+    let all: Vec<usize> = (shard..points.len()).step_by(shards).collect();
+    let left: Vec<usize> = all.iter().copied().filter(|run| !there.contains(run)).collect();
+    let sweep = Sweep { system: &*loaded.system, scene, changes, points, method, columns, modes };
+    let rows = sweep.rows(&left, threads, &kept)?;
+    let mut table = Table { names, rows: kept.done.into_iter().chain(rows).collect() };
+    table.sort()?;
+    kept::replace(path, &table, &experiment)?;
+    Ok((table, all.len()))
+}
+
+/// What all runs have in common.
+struct Sweep<'a> {
+    system: &'a dyn System,
+    scene: usize,
+    changes: Changes,
+    points: Points,
+    method: Option<Method>,
+    columns: &'a [String],
+    /// Of how many modes frequencies are wanted.
+    modes: usize,
+}
+
+impl Sweep<'_> {
+    /// The rows of these runs, which are kept as they finish; fewer where they were interrupted.
+    fn rows(&self, runs: &[usize], threads: Option<usize>, kept: &Kept<'_>) -> Result<Vec<Row>, Problem> {
+        let interrupted = interruption();
+        let unwritten = OnceLock::new();
+        let stopped = || interrupted.load(Ordering::Relaxed) || unwritten.get().is_some();
+        let (done, shown) = (AtomicUsize::new(0), std::io::stderr().is_terminal());
+        let first_note = OnceLock::new();
+        let rows = spread(runs.len(), threads, |place| {
+            let row = self.row(runs[place], &stopped, &first_note)?;
+            if let Err(problem) = kept.add(&row) {
+                _ = unwritten.set(problem);
+                return None;
+            }
+            let done = 1 + done.fetch_add(1, Ordering::Relaxed);
+            if shown && (done == runs.len() || done.is_multiple_of(runs.len().div_ceil(TOLD))) {
+                eprint!("\r{done} of {} runs\x1b[K", runs.len());
+            }
+            Some(row)
+        });
+        if shown {
+            eprint!("\r\x1b[K");
+        }
+        if let Some(note) = first_note.get() {
+            eprintln!("warning: modes: {note}");
+        }
+        unwritten.into_inner().map_or_else(|| Ok(rows.into_iter().flatten().collect()), Err)
+    }
+
+    /// One run; `None` where it was interrupted.
+    fn row(&self, run: usize, stopped: &impl Fn() -> bool, first_note: &OnceLock<String>) -> Option<Row> {
         if stopped() {
             return None;
         }
-        let (run, values) = (runs[place], points.at(runs[place]));
-        let mut system = system.boxed_clone();
-        points.varied.iter().zip(&values).for_each(|(varied, value)| varied.set(&mut *system, *value));
-        let found = (modes > 0).then(|| at_rest(&*system, scene)).map(|found| {
+        let values = self.points.at(run);
+        let varied = || self.points.varied.iter().zip(&values);
+        let mut system = self.system.boxed_clone();
+        varied().for_each(|(varied, value)| varied.set(&mut *system, *value));
+        let found = (self.modes > 0).then(|| at_rest(&*system, self.scene)).map(|found| {
             let (modes, untried) = found?;
             untried.into_iter().next().inspect(|note| _ = first_note.set(note.clone()));
             Ok(modes)
         });
-        let mut settings = changes.of(Settings::of_scene(&*system, scene));
-        points.varied.iter().zip(&values).for_each(|(varied, value)| varied.start(&mut settings, *value));
-        settings.method = method.unwrap_or(settings.method);
+        let mut settings = self.changes.of(Settings::of_scene(&*system, self.scene));
+        varied().for_each(|(varied, value)| varied.start(&mut settings, *value));
+        settings.method = self.method.unwrap_or(settings.method);
         // Extremes are those of dense output.
         settings.dense = true;
         let outcome = crate::simulate_with(&mut *system, &settings, &mut |_| match stopped() {
@@ -151,29 +254,21 @@ fn compute(loaded: &mut Loaded, options: &ArgMatches, columns: &[String], modes:
         if stopped() {
             return None;
         }
-        let done = 1 + done.fetch_add(1, Ordering::Relaxed);
-        if shown && (done == runs.len() || done.is_multiple_of(runs.len().div_ceil(TOLD))) {
-            eprint!("\r{done} of {} runs\x1b[K", runs.len());
-        }
-        let row = Row::of(run, values, outcome, columns, description);
+        let row = Row::of(run, values, outcome, self.columns, self.system.description());
         Some(match found {
             None => row,
-            Some(found) => row.with_modes(found, modes),
+            Some(found) => row.with_modes(found, self.modes),
         })
-    });
-    if shown {
-        eprint!("\r\x1b[K");
     }
-    if let Some(note) = first_note.get() {
-        eprintln!("warning: modes: {note}");
+}
+
+/// `--threads COUNT`.
+fn threads(options: &ArgMatches) -> Result<Option<usize>, Problem> {
+    let Some(text) = options.get_one::<String>("threads") else { return Ok(None) };
+    match text.trim().parse::<usize>() {
+        Ok(threads @ 1..=4096) => Ok(Some(threads)),
+        _ => Err(usage(format!("--threads wants a number from 1 to 4096, not `{text}`"))),
     }
-    let rows: Vec<Row> = rows.into_iter().flatten().collect();
-    if rows.len() < runs.len() {
-        eprintln!("warning: interrupted; {} of {} runs are in the table", rows.len(), runs.len());
-    }
-    let varied = points.varied.iter().map(Varied::column);
-    let names = std::iter::once("run".to_owned()).chain(varied).chain(results(columns, description, modes));
-    Ok(Table { names: names.chain(["error".to_owned()]).collect(), rows })
 }
 
 /// `--shard I/N`: the first run of this part, and how many parts there are.

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use clap::ArgMatches;
 use dalembert_symbolic::model::Sets;
+use dalembert_symbolic::print::fnv1a;
 
 use crate::Settings;
 use crate::cli::Problem;
@@ -104,6 +105,22 @@ impl Points {
             Values::Grid(lists) => lists.iter().map(Vec::len).product(),
             Values::List(rows) => rows.len(),
         }
+    }
+
+    /// What varies, and the values of each: how many, the first and the last, and a hash of all.
+    pub fn summary(&self) -> Vec<(String, String)> {
+        let names: Vec<String> = self.varied.iter().map(Varied::column).collect();
+        let summary = |values: &mut dyn Iterator<Item = f64>| {
+            let all: Vec<String> = values.map(|value| format!("{value:?}")).collect();
+            let (first, last) = (all.first().map_or("", String::as_str), all.last().map_or("", String::as_str));
+            format!("{} from {first} to {last} ({:016x})", all.len(), fnv1a(&all.join(",")))
+        };
+        let of = |place: usize| match &self.values {
+            Values::Grid(lists) => summary(&mut lists[place].iter().copied()),
+            Values::List(rows) => summary(&mut rows.iter().map(|row| row[place])),
+        };
+        let values = names.iter().enumerate().map(|(place, name)| (format!("values of {name}"), of(place)));
+        values.chain([("varies".to_owned(), names.join(", "))]).collect()
     }
 
     /// The values of one run.

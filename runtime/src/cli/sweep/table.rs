@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use super::experiment::Experiment;
 use super::points::usage;
 use crate::cli::Problem;
 use crate::linear::{LinearError, Mode};
@@ -97,26 +98,40 @@ fn outcome_or_nothing(run: &Run, columns: &[String], description: &Description, 
     if run.is_empty() { vec![None; results] } else { outcome(run, columns, description) }
 }
 
+impl Row {
+    /// As a line of the table.
+    pub fn to_csv(&self) -> String {
+        let cells = self.cells.iter().map(|cell| cell.map(|x| format!("{x:.16e}")).unwrap_or_default());
+        line(std::iter::once(self.run.to_string()).chain(cells).chain([self.error.clone()]))
+    }
+}
+
+/// A record of comma-separated values.
+fn line(cells: impl Iterator<Item = String>) -> String {
+    let mut record = csv::Writer::from_writer(Vec::new());
+    let into_memory = "a vector in memory takes all that is written";
+    record.write_record(cells.map(String::into_bytes)).expect(into_memory);
+    String::from_utf8(record.into_inner().expect(into_memory)).expect("names and numbers are text")
+}
+
 impl Table {
     /// As comma-separated values; numbers keep every digit.
     pub fn to_csv(&self) -> String {
-        let mut table = csv::Writer::from_writer(Vec::new());
-        let into_memory = "a vector in memory takes all that is written";
-        table.write_record(&self.names).expect(into_memory);
-        for Row { run, cells, error } in &self.rows {
-            let cells = cells.iter().map(|cell| cell.map(|x| format!("{x:.16e}")).unwrap_or_default());
-            let record = std::iter::once(run.to_string()).chain(cells).chain([error.clone()]);
-            table.write_record(record).expect(into_memory);
-        }
-        String::from_utf8(table.into_inner().expect(into_memory)).expect("names and numbers are text")
+        std::iter::once(line(self.names.iter().cloned())).chain(self.rows.iter().map(Row::to_csv)).collect()
     }
 
-    /// Reads what [`Table::to_csv`] wrote.
-    pub fn read(path: &str) -> Result<Table, Problem> {
+    /// Reads what [`Table::to_csv`] wrote, as far as its lines are complete, and how many bytes these take; `None`: not even its names
+    /// are there.
+    pub fn read(path: &str) -> Result<Option<(Table, u64)>, Problem> {
         let unread = |problem: &dyn std::fmt::Display| Problem::File(format!("cannot read {path}: {problem}"));
-        let mut table = csv::Reader::from_path(path).map_err(|e| unread(&e))?;
+        let text = std::fs::read(path).map_err(|e| unread(&e))?;
+        let text = complete(&text);
+        if text.is_empty() {
+            return Ok(None);
+        }
+        let mut table = csv::Reader::from_reader(text);
         let names: Vec<String> = table.headers().map_err(|e| unread(&e))?.iter().map(str::to_owned).collect();
-        if names.first().map(String::as_str) != Some("run") || names.last().map(String::as_str) != Some("error") {
+        if names.len() < 2 || names[0] != "run" || names[names.len() - 1] != "error" {
             return Err(usage(format!("{path} is no table of a sweep")));
         }
         let mut rows = Vec::new();
@@ -132,36 +147,89 @@ impl Table {
             let cells = (1..names.len() - 1).map(|k| cell(&record[k])).collect::<Result<_, _>>()?;
             rows.push(Row { run, cells, error: last.to_owned() });
         }
-        Ok(Table { names, rows })
+        Ok(Some((Table { names, rows }, text.len() as u64)))
     }
 
-    /// One table of the parts of a sweep, each run once and none missing.
-    pub fn merge(paths: &[&str]) -> Result<Table, Problem> {
+    /// One table of the parts of a sweep, each run once and none missing, and the experiment of all.
+    pub fn merge(paths: &[&str]) -> Result<(Table, Experiment), Problem> {
         let [first, others @ ..] = paths else {
             return Err(usage("--merge wants the tables of all parts".to_owned()));
         };
-        let mut whole = Table::read(first)?;
+        let of = |path: &str| match Table::read(path)? {
+            Some((table, _)) => Ok(table),
+            None => Err(usage(format!("{path} is no table of a sweep"))),
+        };
+        let (mut whole, experiment) = (of(first)?, Experiment::beside(first)?);
         for path in others {
-            let table = Table::read(path)?;
+            experiment.refuse_other(first, &Experiment::beside(path)?, path)?;
+            let table = of(path)?;
             if table.names != whole.names {
                 return Err(usage(format!("{path} and {first} are not of one sweep: their columns differ")));
             }
             whole.rows.extend(table.rows);
         }
-        whole.rows.sort_by_key(|row| row.run);
-        if let Some(pair) = whole.rows.windows(2).find(|pair| pair[0].run == pair[1].run) {
-            return Err(usage(format!("run {} stands in two parts", pair[0].run)));
+        whole.sort()?;
+        let missing = (0..experiment.runs(first)?).find(|run| whole.rows.get(*run).is_none_or(|row| row.run != *run));
+        match missing {
+            Some(run) => Err(usage(format!(
+                "run {run} is missing: a part has not been given, or was interrupted, which --resume continues"
+            ))),
+            None => Ok((whole, experiment.whole())),
         }
-        match whole.rows.iter().enumerate().find(|(place, row)| row.run != *place) {
-            Some((place, _)) => {
-                Err(usage(format!("run {place} is missing: a part has not been given, or was interrupted")))
-            }
-            None => Ok(whole),
+    }
+
+    /// Puts its rows in the order of their runs.
+    pub fn sort(&mut self) -> Result<(), Problem> {
+        self.rows.sort_by_key(|row| row.run);
+        match self.rows.windows(2).find(|pair| pair[0].run == pair[1].run) {
+            Some(pair) => Err(usage(format!("run {} stands there twice", pair[0].run))),
+            None => Ok(()),
         }
     }
 
     /// A column by its name.
     pub fn column(&self, name: &str) -> Option<usize> {
         self.names.iter().position(|known| known == name).and_then(|place| place.checked_sub(1))
+    }
+}
+
+/// The lines that were written to their ends: a line ends outside of quotes.
+fn complete(text: &[u8]) -> &[u8] {
+    let (mut end, mut quoted) = (0, false);
+    for (place, byte) in text.iter().enumerate() {
+        match byte {
+            b'"' => quoted = !quoted,
+            b'\n' if !quoted => end = place + 1,
+            _ => (),
+        }
+    }
+    &text[..end]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_that_were_not_written_to_their_ends_are_left_out() {
+        let whole = "run,x,error\n1,2.0,\n0,,\"first\nsecond \"\"quoted\"\"\"\n";
+        let ends = [0, 12, 19, whole.len()];
+        for length in 0..=whole.len() {
+            let expected = ends.into_iter().rev().find(|end| *end <= length).unwrap_or(0);
+            assert_eq!(complete(&whole.as_bytes()[..length]).len(), expected, "{length}");
+        }
+    }
+
+    #[test]
+    fn a_table_that_is_read_is_written_the_same() {
+        let path = std::env::temp_dir().join(format!("dalembert-table-{}.csv", std::process::id()));
+        let cells = vec![Some(-0.0), None, Some(5e-324), Some(f64::MAX), Some(0.1)];
+        let names = ["run", "a", "b", "c", "d", "e", "error"].map(str::to_owned).to_vec();
+        let table = Table { names, rows: vec![Row { run: 3, cells, error: "a, \"b\"\nc".to_owned() }] };
+        std::fs::write(&path, table.to_csv()).expect("a file");
+        let read = Table::read(path.to_str().expect("a path")).expect("a table");
+        std::fs::remove_file(&path).expect("the file");
+        let (again, length) = read.expect("names");
+        assert_eq!((again.to_csv(), length), (table.to_csv(), table.to_csv().len() as u64));
     }
 }

@@ -102,7 +102,10 @@ fn split(graph: &Graph, mut term: Id) -> (Number, Id) {
     loop {
         match graph.node(term) {
             Node::Unary(Unary::Neg, x) => (number, term) = (number.negated(), x),
-            Node::Binary(Binary::Mul, c, x) if let Some(c) = graph.number(c) => (number, term) = (number.times(c), x),
+            Node::Binary(Binary::Mul, c, x) => match graph.number(c) {
+                Some(c) => (number, term) = (number.times(c), x),
+                None => return (number, term),
+            },
             Node::Number(_) if term != Id::ONE => {
                 return (number.times(graph.number(term).unwrap_or(Number::ONE)), Id::ONE);
             }

@@ -1,0 +1,212 @@
+//! The program as a process: exit codes, standard input and output.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+const MODEL: &str = "name: Bob\nparameters: {m: 1 kg, g: 10 m/s^2}\ncoordinates: {x: m}\n\
+                     bodies: {bob: {mass: m, position: \"[0, x]\"}}\ngravity: [0, -g]\nscene: {until: 1}\n";
+const WRONG: &str = "name: Bob\ncoordinates: {x: m}\nbodies: {bob: {mas: 1}}\n";
+
+/// A folder of its own for a test, with a good and a bad model file in it.
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("program-{name}"));
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).expect("a folder");
+    fs::write(folder.join("good.yaml"), MODEL).expect("a file");
+    fs::write(folder.join("bad.yaml"), WRONG).expect("a file");
+    folder
+}
+
+/// What the program does in this folder, with this on standard input.
+fn fed(folder: &Path, input: &str, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_dalembert"));
+    command.args(arguments).current_dir(folder);
+    let mut child =
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program");
+    child.stdin.take().expect("its input").write_all(input.as_bytes()).expect("to be read");
+    child.wait_with_output().expect("its end")
+}
+
+fn done(folder: &Path, arguments: &[&str]) -> Output {
+    fed(folder, "", arguments)
+}
+
+/// Standard output, standard error and the exit code.
+fn told(output: &Output) -> (String, String, Option<i32>) {
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    (text(&output.stdout), text(&output.stderr), output.status.code())
+}
+
+/// The names of the files in a folder.
+fn files(folder: &Path) -> Vec<String> {
+    let names = fs::read_dir(folder).expect("a folder").map(|file| file.expect("a file").file_name());
+    let mut names: Vec<String> = names.map(|name| name.to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn exit_codes_are_those_of_the_help() {
+    let folder = folder("codes");
+    let code = |arguments: &[&str]| done(&folder, arguments).status.code();
+    assert_eq!(code(&["check", "good.yaml"]), Some(0));
+    assert_eq!(code(&["check", "bad.yaml"]), Some(1));
+    assert_eq!(code(&["simulate", "bad.yaml"]), Some(1));
+    assert_eq!(code(&["simulate", "good.yaml", "--step", "1e-3", "--max-steps", "3"]), Some(1));
+    assert_eq!(code(&["simulate", "good.yaml", "--csv", "nowhere/a.csv"]), Some(1));
+    assert_eq!(code(&["simulate", "none.yaml"]), Some(2));
+    assert_eq!(code(&["simulate", "good.yaml", "--until", "soon"]), Some(2));
+    assert_eq!(code(&["simulate"]), Some(2));
+    let (help, _, status) = told(&done(&folder, &["--help"]));
+    assert_eq!(status, Some(0));
+    for line in ["0  done", "1  a model file is wrong, a run failed or was interrupted", "2  wrong usage"] {
+        assert!(help.contains(line), "{line}: {help}");
+    }
+}
+
+/// One that is wrong in the middle hides no other.
+#[test]
+fn all_files_are_checked_and_all_that_is_wrong_is_told() {
+    let folder = folder("several");
+    fs::write(folder.join("worse.yaml"), WRONG.replace("mas:", "weight:")).expect("a file");
+    let all = ["check", "good.yaml", "bad.yaml", "worse.yaml", "none.yaml", "good.yaml"];
+    let (out, error, status) = told(&done(&folder, &all));
+    assert_eq!(status, Some(1));
+    assert_eq!(out.matches("good: 1 coordinate").count(), 2, "{out}");
+    for part in ["bad.yaml:3:16", "worse.yaml:3:16", "called `none.yaml`", "3 of 5 files are wrong"] {
+        assert!(error.contains(part), "{part}: {error}");
+    }
+}
+
+#[test]
+fn standard_input_and_output_are_called_by_a_hyphen() {
+    let folder = folder("streams");
+    let (table, report, status) = told(&fed(&folder, MODEL, &["simulate", "-", "--csv", "-"]));
+    assert!(table.starts_with("t,x,x'\n") && report.contains("stdin at t = 1") && status == Some(0), "{report}");
+    let sweep = ["sweep", "good.yaml", "--vary", "m=1,2", "-o", "-"];
+    let (table, report, _) = told(&done(&folder, &sweep));
+    assert!(table.starts_with("run,m,t,x,") && report.contains("run  m"), "{table}{report}");
+    let chart = ["chart", "good.yaml", "--methods", "rk4,dop853", "--plot", "c.svg", "--csv", "-"];
+    let (table, report, status) = told(&done(&folder, &chart));
+    assert!(table.lines().all(|line| line.contains(',')) && table.lines().count() > 2, "{table}");
+    assert!(report.contains("written: c.svg") && status == Some(0), "{report}");
+    let (code, _, status) = told(&done(&folder, &["show", "good.yaml", "--rust", "-o", "-"]));
+    assert!(code.contains("pub struct Bob") && status == Some(0), "{code}");
+    let (_, refused, status) = told(&done(&folder, &["simulate", "good.yaml", "--plot", "-"]));
+    assert!(refused.contains("--plot: only tables go to standard output"), "{refused}");
+    assert_eq!(status, Some(2));
+    assert_eq!(files(&folder), ["bad.yaml", "c.svg", "good.yaml"]);
+}
+
+#[test]
+fn what_is_printed_may_go_to_a_file() {
+    let folder = folder("files");
+    for (arguments, file) in [
+        (&["show", "good.yaml"][..], "shown.txt"),
+        (&["show", "good.yaml", "--rust"], "shown.rs"),
+        (&["schema"], "schema.json"),
+    ] {
+        let (printed, ..) = told(&done(&folder, arguments));
+        let (nothing, ..) = told(&done(&folder, &[arguments, &["-o", file]].concat()));
+        assert_eq!((nothing.as_str(), fs::read_to_string(folder.join(file)).expect("a file")), ("", printed));
+    }
+    let (_, refused, _) = told(&done(&folder, &["show", "good.yaml", "-o", "good.yaml"]));
+    assert!(refused.contains("would overwrite the model file"), "{refused}");
+    assert_eq!(fs::read_to_string(folder.join("good.yaml")).expect("the model"), MODEL);
+}
+
+#[test]
+fn quiet_is_quiet_until_something_is_wrong() {
+    let folder = folder("quiet");
+    for arguments in [
+        &["check", "good.yaml", "-q"][..],
+        &["simulate", "good.yaml", "--quiet", "--csv", "a.csv"],
+        &["sweep", "good.yaml", "--vary", "m=1,2", "-q"],
+        &["modes", "good.yaml", "--at", "x=0", "--set", "g=0", "-q"],
+        &["new", "fresh", "-q"],
+    ] {
+        assert_eq!(told(&done(&folder, arguments)), (String::new(), String::new(), Some(0)), "{arguments:?}");
+    }
+    let (table, report, _) = told(&done(&folder, &["simulate", "good.yaml", "-q", "--csv", "-"]));
+    assert_eq!((table, report), (fs::read_to_string(folder.join("a.csv")).expect("a table"), String::new()));
+    let (json, ..) = told(&done(&folder, &["simulate", "good.yaml", "-q", "--json"]));
+    assert!(json.starts_with("{\"model\""), "{json}");
+    let (out, error, status) = told(&done(&folder, &["check", "-q", "bad.yaml"]));
+    assert!(out.is_empty() && error.contains("bad.yaml:3:16") && status == Some(1), "{error}");
+}
+
+#[test]
+fn endings_that_are_not_known_are_refused_before_anything_is_written() {
+    let folder = folder("endings");
+    let before = files(&folder);
+    for (arguments, known) in [
+        (&["simulate", "good.yaml", "--csv", "a.xlsx"][..], "`.csv`"),
+        (&["simulate", "good.yaml", "--save", "a.csv"], "`.yaml`, `.yml`, `.txt`"),
+        (&["simulate", "good.yaml", "--plot", "a.jpg"], "`.svg`, `.png`, `.pdf`"),
+        (&["sweep", "good.yaml", "--vary", "m=1,2", "--csv", "a.txt"], "`.csv`"),
+        (&["modes", "good.yaml", "--set", "g=0", "--matrices", "a.mat"], "`.mtx`, `.csv`"),
+        (&["needs", "good.yaml", "--write", "a.rs"], "`.yaml`, `.yml`"),
+        (&["show", "good.yaml", "--latex", "-o", "a.rs"], "`.tex`"),
+        (&["chart", "good.yaml", "--csv", "a.svg"], "`.csv`"),
+        (&["schema", "-o", "a.yaml"], "`.json`"),
+    ] {
+        let (_, refused, status) = told(&done(&folder, arguments));
+        assert!(refused.contains(&format!("end the name in one of {known}")), "{arguments:?}: {refused}");
+        assert_eq!((status, files(&folder)), (Some(2), before.clone()), "{arguments:?}");
+    }
+}
+
+#[test]
+fn a_new_file_knows_its_schema() {
+    let folder = folder("new");
+    let (out, _, status) = told(&done(&folder, &["new", "swing"]));
+    assert!(out.contains("wrote swing.yaml") && out.contains("dalembert.schema.json") && status == Some(0), "{out}");
+    let text = fs::read_to_string(folder.join("swing.yaml")).expect("a model");
+    assert_eq!(text.lines().next(), Some("# yaml-language-server: $schema=dalembert.schema.json"));
+    let (schema, ..) = told(&done(&folder, &["schema"]));
+    assert_eq!(fs::read_to_string(folder.join("dalembert.schema.json")).expect("a schema"), schema);
+    assert_eq!(done(&folder, &["check", "swing.yaml"]).status.code(), Some(0));
+    // A schema that is there stays as it is.
+    fs::write(folder.join("dalembert.schema.json"), "{}").expect("a file");
+    let (out, ..) = told(&done(&folder, &["new", "ring"]));
+    assert!(out.contains("wrote ring.yaml") && !out.contains("schema"), "{out}");
+    assert_eq!(fs::read_to_string(folder.join("dalembert.schema.json")).expect("a schema"), "{}");
+}
+
+#[test]
+fn generated_code_is_written_and_checked() {
+    let folder = folder("generate");
+    let generate = ["generate", "good.yaml", "--name", "Weight", "-o", "bob.rs"];
+    let (out, _, status) = told(&done(&folder, &generate));
+    assert!(out.contains("wrote bob.rs") && status == Some(0), "{out}");
+    let code = fs::read_to_string(folder.join("bob.rs")).expect("code");
+    let renew =
+        code.lines().nth(1).and_then(|line| line.strip_prefix("// To renew it: dalembert ")).expect("a command");
+    assert_eq!(renew.split(' ').collect::<Vec<_>>(), generate);
+    assert!(code.contains("pub struct Weight") && code.contains("::dalembert::generated_for!("), "{code}");
+    let check = |arguments: &[&str]| told(&done(&folder, &[arguments, &["--check"]].concat()));
+    assert_eq!(check(&generate), ("bob.rs is the code of good.yaml\n".to_owned(), String::new(), Some(0)));
+    // Another way to the same files is no difference; another model is one.
+    let model = folder.join("good.yaml");
+    let model = model.to_str().expect("a path");
+    assert_eq!(check(&["generate", model, "--name", "Weight", "-o", "./bob.rs", "-q"]).2, Some(0));
+    fs::write(folder.join("good.yaml"), MODEL.replace("10 m/s^2", "9 m/s^2")).expect("a file");
+    let (_, refused, status) = check(&generate);
+    assert!(refused.contains("the first line that differs is 1:") && status == Some(1), "{refused}");
+    assert_eq!(fs::read_to_string(folder.join("bob.rs")).expect("code"), code);
+    fs::write(folder.join("good.yaml"), MODEL).expect("a file");
+    fs::write(folder.join("bob.rs"), code.replacen("pub m: f64,", "pub m: f32,", 1)).expect("a file");
+    let (_, refused, _) = check(&generate);
+    assert!(refused.contains("there        pub m: f32,") && refused.contains("expected     pub m: f64,"), "{refused}");
+
+    let (_, refused, status) = check(&["generate", "good.yaml", "-o", "none.rs"]);
+    assert!(refused.contains("cannot read none.rs") && status == Some(1), "{refused}");
+    let (_, refused, status) = check(&["generate", "good.yaml", "-o", "-"]);
+    assert!(refused.contains("--check compares with a file") && status == Some(2), "{refused}");
+    let (_, refused, status) = told(&done(&folder, &["generate", "good.yaml", "--name", "fn"]));
+    assert!(refused.contains("--name wants the name of a Rust type") && status == Some(2), "{refused}");
+    let (series, ..) = told(&done(&folder, &["generate", "good.yaml", "--methods", "taylor"]));
+    assert!(series.contains("fn series()") && !code.contains("fn series()"), "{series}");
+}
