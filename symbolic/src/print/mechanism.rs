@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-use super::body::{Bodies, Use, float};
+use super::body::{Bodies, Use};
+use super::literal::float;
 use super::description::description;
 use super::function::{Function, Target, argument, stores};
 use super::parameters::field;

@@ -1,14 +1,17 @@
 //! Programs to Rust, to Python, and to formulas for people.
 
 mod body;
+mod c;
 mod constants;
 mod contacts;
 mod description;
+mod dialect;
 mod documentation;
 mod formula;
 mod function;
 mod linear;
 mod linearisation;
+mod literal;
 mod mechanism;
 mod memory;
 mod momentum;
@@ -25,6 +28,7 @@ mod series;
 mod units;
 mod words;
 
+pub use c::{CORE_HEADER, CORE_SOURCE, CText, c};
 pub use crate::model::{field_name, type_name};
 pub use description::{fnv1a, switch_text};
 pub use linear::{About, Degree, LinearEnergies, linear_energies, linear_law};

@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-use super::body::{Bodies, float};
+use super::body::Bodies;
+use super::literal::float;
 use super::description::{list, string};
 use super::function::{argument, of_constants};
 use crate::lower::Program;

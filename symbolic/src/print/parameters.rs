@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use super::body::{Bodies, float};
+use super::body::Bodies;
+use super::literal::float;
 use super::documentation::{about, tested};
 use super::function::of_constants;
 use super::rust::UNJUDGED;
