@@ -18,13 +18,21 @@ pub fn command() -> Command {
                 .about("Prints the derived equations, operation counts and what was recognised")
                 .arg(model())
                 .args(sizes())
-                .arg(flag("linear", "Print M, C, K and B of small motions about the file's `equilibrium`, as expressions of the parameters; with --latex in LaTeX").conflicts_with_all(["rust", "python", "json"]))
+                .arg(flag("linear", "Print M, C, K and B of small motions about the file's `equilibrium`, as expressions of the parameters; with --latex in LaTeX").conflicts_with_all(["rust", "python", "c", "json"]))
                 .arg(many("at", "NAME=EXPR", "Another equilibrium: a coordinate's value, an expression of parameters").requires("linear"))
                 .arg(flag("rust", "Print the generated Rust instead"))
                 .arg(flag("latex", "Print them in LaTeX"))
                 .arg(flag("python", "Print a module for Python (NumPy) that gives M, h and the rate of the state"))
+                .arg(flag("c", "Print C99, one text that compiles by itself: everything that the Rust has, and accelerations"))
                 .arg(flag("json", "Print one JSON object"))
-                .group(ArgGroup::new("form").args(["rust", "latex", "python", "json"])),
+                .group(ArgGroup::new("form").args(["rust", "latex", "python", "c", "json"])),
+        )
+        .subcommand(
+            Command::new("export")
+                .about("Writes a model as code for other programs")
+                .arg(model())
+                .args(sizes())
+                .arg(value("c", "FOLDER", "Write NAME.h, NAME.c and the core that all models share, C99").value_hint(ValueHint::DirPath)),
         )
         .subcommand(
             Command::new("check")

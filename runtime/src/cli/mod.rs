@@ -17,6 +17,7 @@ mod compare;
 mod completions;
 mod drawn;
 mod enforcement;
+mod export;
 mod families;
 mod freedoms;
 mod import;
@@ -94,6 +95,7 @@ pub fn run(
     match matches.subcommand() {
         Some(("list", _)) => list::run(models, out),
         Some(("show", options)) => show::run(models, options, out),
+        Some(("export", options)) => export::run(models, options, out),
         Some(("check", options)) => check::run(models, options, out),
         Some(("simulate", options)) => simulate::run(models, options, out),
         Some(("orbit", options)) => orbit::run(models, options, out),

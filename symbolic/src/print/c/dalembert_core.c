@@ -224,9 +224,13 @@ static void find_rows(system_ *s, const double *lengths) {
     s->weakest = 1.0;
     for (int k = 0; k < m; k++) {
         int best = k;
-        for (int i = k + 1; i < m; i++)
-            if (s->schur[i * m + i] >= s->schur[best * m + best]) best = i;
-        const double size = sqrt(fmax(s->schur[best * m + best], 0.0));
+        double size = sqrt(fmax(s->schur[k * m + k], 0.0));
+        for (int i = k + 1; i < m; i++) {
+            const double other = sqrt(fmax(s->schur[i * m + i], 0.0));
+            if (other < size) continue;
+            best = i;
+            size = other;
+        }
         s->weakest = fmin(s->weakest, size);
         if (!(size > weak)) {
             s->rank = k;
