@@ -78,7 +78,8 @@ fn compiler() -> Option<&'static str> {
 fn files() -> BTreeMap<String, PathBuf> {
     let folders = ["models", "runtime/tests/c", "tests/tests/names", "tests/roads", "tests/states", "tests/strangers"];
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let files = folders.iter().flat_map(|folder| fs::read_dir(root.join(folder)).unwrap().map(|file| file.unwrap().path()));
+    let files =
+        folders.iter().flat_map(|folder| fs::read_dir(root.join(folder)).unwrap().map(|file| file.unwrap().path()));
     files
         .filter(|path| path.extension().is_some_and(|e| e == "yaml"))
         .map(|path| (path.file_stem().unwrap().to_str().unwrap().to_owned(), path))
@@ -135,7 +136,8 @@ fn functions(system: &Interpreted, at: At<'_>) -> Vec<Compared> {
         write(&mut values);
         values
     };
-    let (mut dq, mut dv) = (vec![0.0; description.stiffness_pattern.len()], vec![0.0; description.damping_pattern.len()]);
+    let (mut dq, mut dv) =
+        (vec![0.0; description.stiffness_pattern.len()], vec![0.0; description.damping_pattern.len()]);
     system.jacobians(at, &mut dq, &mut dv);
     let mass = filled(description.mass_pattern.len(), &|out| system.mass_matrix(at, out));
     let input = filled(description.input_pattern.len(), &|out| system.input_jacobian(at, out));
@@ -151,7 +153,11 @@ fn functions(system: &Interpreted, at: At<'_>) -> Vec<Compared> {
         ("invariants", 2, filled(2 * description.invariant_len(), &|out| system.invariants(at, out))),
         ("events", 3, filled(2 * description.events.len(), &|out| system.events(at, out))),
         ("event_rates", 3, filled(description.events.len(), &|out| system.event_rates(at, out))),
-        ("assignments", 3, filled(system.sampling().sets.iter().map(|set| set.len()).sum(), &|out| system.assignments(at, out))),
+        (
+            "assignments",
+            3,
+            filled(system.sampling().sets.iter().map(|set| set.len()).sum(), &|out| system.assignments(at, out)),
+        ),
         ("switches", 3, filled(2 * description.switches.len(), &|out| system.switches(at, out))),
         ("stiffness", 3, dense(&description.stiffness_pattern, &dq, n, n, false)),
         ("damping", 3, dense(&description.damping_pattern, &dv, n, n, false)),
@@ -185,7 +191,11 @@ fn rows_of(system: &Interpreted, at: At<'_>) -> Vec<Compared> {
     system.constraint_jacobians(at, &mut cq, &mut cv);
     vec![
         ("constraints", 2, of(3 * rows, &|out| system.constraints(at, out))),
-        ("constraint_matrix", 1, values(&description.constraint_pattern, &|out| system.constraint_matrix(at, out), rows, n)),
+        (
+            "constraint_matrix",
+            1,
+            values(&description.constraint_pattern, &|out| system.constraint_matrix(at, out), rows, n),
+        ),
         ("constraint_bias", 2, of(rows, &|out| system.constraint_bias(at, out))),
         ("friction", 2, values(&description.friction_pattern, &|out| system.friction(at, out), n, rows)),
         ("constraint_stiffness", 3, dense(&description.constraint_stiffness_pattern, &cq, rows, n, false)),

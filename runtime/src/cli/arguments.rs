@@ -32,6 +32,9 @@ pub fn command() -> Command {
                 .about("Writes a model as code for other programs")
                 .arg(model())
                 .args(sizes())
+                .args(scene())
+                .arg(value("fmu", "FILE.fmu", "Write an FMU (FMI 3.0) that starts as the scene does: Model Exchange and Co-Simulation, sources, and where there is a C compiler a library").value_hint(ValueHint::FilePath))
+                .group(ArgGroup::new("what").args(["c", "fmu"]).multiple(true).required(true))
                 .arg(value("c", "FOLDER", "Write NAME.h, NAME.c and the core that all models share, C99").value_hint(ValueHint::DirPath)),
         )
         .subcommand(

@@ -3,9 +3,9 @@
 use std::fmt::Write;
 
 use super::body::{Bodies, Use};
-use super::literal::float;
 use super::description::description;
 use super::function::{Function, Target, argument, stores};
+use super::literal::float;
 use super::parameters::field;
 use super::rust::UNJUDGED;
 use super::series::recurrences;

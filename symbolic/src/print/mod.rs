@@ -28,8 +28,8 @@ mod series;
 mod units;
 mod words;
 
-pub use c::{CORE_HEADER, CORE_SOURCE, CText, c};
 pub use crate::model::{field_name, type_name};
+pub use c::{CORE_HEADER, CORE_SOURCE, CText, c, c_float, core_file};
 pub use description::{fnv1a, switch_text};
 pub use linear::{About, Degree, LinearEnergies, linear_energies, linear_law};
 pub use linearisation::{Linearisation, NotLinear};

@@ -3,9 +3,9 @@
 use std::fmt::Write;
 
 use super::body::Bodies;
-use super::literal::float;
 use super::description::{list, string};
 use super::function::{argument, of_constants};
+use super::literal::float;
 use crate::lower::Program;
 use crate::model::{Closes, Goal, Image, Motion};
 

@@ -57,8 +57,7 @@ impl Printing<'_> {
     pub fn accelerations(&self) -> String {
         let (n, rows) = (self.program.model.coordinates.len(), self.program.constraints.len());
         let free = self.free(if rows > 0 { "static int NAME_free" } else { "int NAME_accelerations" }, rows == 0);
-        let (rub, pushed) =
-            if self.program.constraints.friction.is_empty() { ("", "NULL") } else { (RUB, "friction") };
+        let (rub, pushed) = if self.program.constraints.friction.is_empty() { ("", "NULL") } else { (RUB, "friction") };
         let constrained = match rows {
             0 => String::new(),
             _ => CONSTRAINED

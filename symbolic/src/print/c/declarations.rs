@@ -56,12 +56,20 @@ impl Printing<'_> {
             let listed = all.iter().map(|(name, unit)| format!("{name} {unit}").trim().to_owned());
             size(name, all.len(), &listed.collect::<Vec<_>>().join(", "));
         }
-        size("STATES", model.states.len(), "of first order: the last coordinates are their integrals, their speeds they themselves");
+        size(
+            "STATES",
+            model.states.len(),
+            "of first order: the last coordinates are their integrals, their speeds they themselves",
+        );
         size("INVARIANTS", self.program.invariants.len() / 2, "");
         size("ASSIGNMENTS", self.program.assignments.len(), "");
         size("RESTITUTIONS", self.program.restitutions().len(), "");
         size("CLOCKS", model.clocks.len(), "");
-        size("SCENES", model.scenes.len(), &model.scenes.iter().map(|s| s.name.as_str()).collect::<Vec<_>>().join(", "));
+        size(
+            "SCENES",
+            model.scenes.len(),
+            &model.scenes.iter().map(|s| s.name.as_str()).collect::<Vec<_>>().join(", "),
+        );
         size("CONSTANTS", self.block, "the size of the block c");
         out += "};\n";
         out += &self.parameters();
@@ -80,13 +88,12 @@ impl Printing<'_> {
     fn kinds(&self) -> Vec<Kind> {
         let model = &self.program.model;
         let none = |name: &String| (name.clone(), String::new());
-        let coordinates = model.coordinates.iter().zip(model.units_of_coordinates()).map(|(c, unit)| (c.name.clone(), in_si(unit)));
+        let coordinates =
+            model.coordinates.iter().zip(model.units_of_coordinates()).map(|(c, unit)| (c.name.clone(), in_si(unit)));
         let parameters = model.parameters.iter().map(|p| (p.name.clone(), in_si(&p.unit)));
         let rows = model.constraints.iter().flat_map(|c| c.row_names().into_iter().map(|name| (name, in_si(&c.unit))));
-        let outputs = model
-            .outputs
-            .iter()
-            .flat_map(|o| components(&o.name, o.value.len()).map(|name| (name, in_si(&o.unit))));
+        let outputs =
+            model.outputs.iter().flat_map(|o| components(&o.name, o.value.len()).map(|name| (name, in_si(&o.unit))));
         let phases = model.phases.iter().filter(|phase| !phase.name.is_empty());
         let switches = self.program.switches.iter().map(|switch| {
             let kind = if switch.kind == SwitchKind::Sign { "sign" } else { "step" };
@@ -147,7 +154,12 @@ impl Printing<'_> {
                 continue;
             }
             let body = self.unhoisted.body(&[Use::Store("const double value".to_owned(), derived.value)], "    ");
-            let _ = write!(out, "\n{signature} {{\n{}{}    return value;\n}}\n", unread(&[("c", body.reads.constants)]), body.lines);
+            let _ = write!(
+                out,
+                "\n{signature} {{\n{}{}    return value;\n}}\n",
+                unread(&[("c", body.reads.constants)]),
+                body.lines
+            );
         }
         out
     }
@@ -201,12 +213,15 @@ impl Printing<'_> {
         let parameters = self.program.model.parameters.iter().zip(&fields);
         let values: String = parameters.map(|(p, field)| format!("    p->{field} = {};\n", float(p.default))).collect();
         let values = if values.is_empty() { "    p->none = 0;\n".to_owned() } else { values };
-        let cases: String = fields.iter().enumerate().map(|(k, field)| format!("    case {k}: return &p->{field};\n")).collect();
+        let cases: String =
+            fields.iter().enumerate().map(|(k, field)| format!("    case {k}: return &p->{field};\n")).collect();
         let cases = match fields.len() {
             0 => "    (void)p; (void)place;\n    return NULL;\n".to_owned(),
             _ => format!("    switch (place) {{\n{cases}    default: return NULL;\n    }}\n"),
         };
-        format!("\nvoid {prefix}_defaults({prefix}_parameters *p) {{\n{values}}}\n\ndouble *{prefix}_parameter({prefix}_parameters *p, int place) {{\n{cases}}}\n")
+        format!(
+            "\nvoid {prefix}_defaults({prefix}_parameters *p) {{\n{values}}}\n\ndouble *{prefix}_parameter({prefix}_parameters *p, int place) {{\n{cases}}}\n"
+        )
     }
 
     /// The block of constants: parameters, what is made of them, modes, phases, held values.
@@ -229,14 +244,16 @@ impl Printing<'_> {
         let phases = (first_phase..first_memory).map(|k| format!("    c[{k}] = {:.1};\n", f64::from(k == first_phase)));
         lines.extend(modes.chain(phases));
         let unread = unread(&[("p", free > 0), ("c", self.block > 0)]);
-        let inputs = self.bodies.body(&stores("u", &self.program.signals.iter().flatten().copied().collect::<Vec<_>>()), "    ");
+        let inputs =
+            self.bodies.body(&stores("u", &self.program.signals.iter().flatten().copied().collect::<Vec<_>>()), "    ");
         let reads = inputs.reads;
         let of_inputs = super::function::unread(&[
             ("c", reads.constants),
             ("t", reads.time),
             ("u", !self.program.signals.is_empty()),
         ]);
-        let mut out = format!("\nvoid {prefix}_constants(const {prefix}_parameters *p, double *c) {{\n{unread}{lines}}}\n");
+        let mut out =
+            format!("\nvoid {prefix}_constants(const {prefix}_parameters *p, double *c) {{\n{unread}{lines}}}\n");
         let _ = write!(
             out,
             "\nvoid {prefix}_inputs(const double *c, double t, double *u) {{\n{of_inputs}{}}}\n\ndouble *{prefix}_modes(double *c) {{\n    return c + {first_mode};\n}}\n\ndouble *{prefix}_memory(double *c) {{\n    return c + {first_memory};\n}}\n",
@@ -251,7 +268,10 @@ impl Printing<'_> {
         let rows: Vec<Vec<usize>> = model.phases.iter().map(|phase| model.rows_of(phase)).collect();
         let all: Vec<String> = rows.iter().flatten().map(ToString::to_string).collect();
         if all.is_empty() {
-            return format!("\nint {}_rows(int phase, int *rows, int *rank) {{\n    (void)phase; (void)rows;\n    *rank = 0;\n    return 0;\n}}\n", self.prefix);
+            return format!(
+                "\nint {}_rows(int phase, int *rows, int *rank) {{\n    (void)phase; (void)rows;\n    *rank = 0;\n    return 0;\n}}\n",
+                self.prefix
+            );
         }
         let firsts = rows.iter().scan(0, |next, rows| {
             *next += rows.len();
@@ -270,7 +290,10 @@ impl Printing<'_> {
 
     /// Sets the modes one after the other, since the argument of one may contain those before it.
     fn settle(&self) -> String {
-        let signature = format!("\nvoid {}_settle(double *c, double t, const double *u, const double *q, const double *v, const double *a, const double *l) {{\n", self.prefix);
+        let signature = format!(
+            "\nvoid {}_settle(double *c, double t, const double *u, const double *q, const double *v, const double *a, const double *l) {{\n",
+            self.prefix
+        );
         let count = self.program.switches.len();
         if count == 0 {
             return signature + "    (void)c; (void)t; (void)u; (void)q; (void)v; (void)a; (void)l;\n}\n";
@@ -288,12 +311,18 @@ impl Printing<'_> {
     /// What is written of outputs.
     pub fn about_outputs(&self) -> String {
         let count = self.program.outputs.len();
-        format!("Outputs, component by component: {count} numbers, as NAME_output_name and NAME_output_unit say.").replace("NAME", self.prefix)
+        format!("Outputs, component by component: {count} numbers, as NAME_output_name and NAME_output_unit say.")
+            .replace("NAME", self.prefix)
     }
 
     /// What is written of invariants.
     pub fn about_invariants(&self) -> String {
-        let claims = self.program.model.conserved.iter().map(|c| format!("\n  {}{}", c.name, self.program.model.condition(&c.when)));
+        let claims = self
+            .program
+            .model
+            .conserved
+            .iter()
+            .map(|c| format!("\n  {}{}", c.name, self.program.model.condition(&c.when)));
         format!("Pairs (value, sum of the absolute terms) of what is conserved:{}", claims.collect::<String>())
     }
 
@@ -321,7 +350,9 @@ impl Printing<'_> {
             format!("\n  {}: {when}{phases}: {}", event.name, actions.join(", then "))
         };
         let all: String = model.events.iter().map(one).collect();
-        format!("Pairs (function, condition) of each event, which happens where its function passes through 0 and its condition is > 0.  Nothing here locates it or does what it says:{all}")
+        format!(
+            "Pairs (function, condition) of each event, which happens where its function passes through 0 and its condition is > 0.  Nothing here locates it or does what it says:{all}"
+        )
     }
 
     fn action(&self, action: &EventAction) -> String {
@@ -348,9 +379,13 @@ impl Printing<'_> {
 
     /// What is written of all that events set.
     pub fn about_assignments(&self) -> String {
-        let names = self.program.model.sets.iter().flat_map(|set| set.values.iter().map(|(target, _)| self.target(*target)));
+        let names =
+            self.program.model.sets.iter().flat_map(|set| set.values.iter().map(|(target, _)| self.target(*target)));
         let names: Vec<&str> = names.collect();
-        format!("Values of all that events set, set by set: {}.", if names.is_empty() { "none".to_owned() } else { names.join(", ") })
+        format!(
+            "Values of all that events set, set by set: {}.",
+            if names.is_empty() { "none".to_owned() } else { names.join(", ") }
+        )
     }
 }
 

@@ -9,6 +9,7 @@ mod starts;
 use rustc_hash::FxHashMap as HashMap;
 
 use self::dialect::C;
+pub use self::dialect::float as c_float;
 use self::function::Function;
 use super::body::{Bodies, Use};
 use super::constants::name_constants;
@@ -23,6 +24,11 @@ use crate::model::KEYWORDS;
 pub const CORE_HEADER: &str = include_str!("dalembert_core.h");
 /// The core: tables, M = L D Lᵀ, and accelerations with multipliers.
 pub const CORE_SOURCE: &str = include_str!("dalembert_core.c");
+
+/// The core as a file of its own beside its header.
+pub fn core_file() -> String {
+    format!("#include \"dalembert_core.h\"\n\n{CORE_SOURCE}")
+}
 
 /// A mechanism in C99; neither text includes the other, nor the core.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -183,7 +189,8 @@ const MASS: &str = "M(t, q): n by n, row by row, symmetric.";
 const BIAS: &str = "h(t, q, q'): n numbers; M q'' + h = 0 where no constraint acts.";
 const RESIDUAL: &str = "F = M q'' + h - (J^T + B) lambda: n numbers.";
 const ENERGY: &str = "T, V, the Jacobi function, the power of what has no potential, and the sum of the absolute terms of T and V: 5 numbers; J, J, J, W, J.";
-const EVENT_RATES: &str = "The total time derivative of each event's function, with q'' and lambda held; 0 where it is not known.";
+const EVENT_RATES: &str =
+    "The total time derivative of each event's function, with q'' and lambda held; 0 where it is not known.";
 const SWITCHES: &str = "Pairs (argument, its rate) of each discontinuity: its mode is that of the argument's sign.";
 const STIFFNESS: &str = "dF/dq: n by n, row by row.";
 const DAMPING: &str = "dF/dq': n by n, row by row.";

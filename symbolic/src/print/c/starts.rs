@@ -36,7 +36,8 @@ impl Printing<'_> {
         let (scenes, n) = (&self.program.model.scenes, self.program.model.coordinates.len());
         let mut sets = String::new();
         for (k, scene) in scenes.iter().enumerate().filter(|(_, scene)| !scene.set.is_empty()) {
-            let stores = scene.set.iter().map(|(place, id)| Use::Store(format!("*{prefix}_parameter(p, {place})"), *id));
+            let stores =
+                scene.set.iter().map(|(place, id)| Use::Store(format!("*{prefix}_parameter(p, {place})"), *id));
             let body = self.unhoisted.body(&stores.collect::<Vec<_>>(), "        ");
             let read = unread(&[("c", body.reads.constants)]).replace("    ", "        ");
             let _ = write!(sets, "    if (scene == {k}) {{\n{read}{}    }}\n", body.lines);
@@ -60,8 +61,15 @@ impl Printing<'_> {
         uses.extend(scene.v.iter().enumerate().filter(given).map(store("v")));
         uses.extend(scene.memory.iter().enumerate().map(store("memory")));
         let lines = self.unhoisted.body(&uses, "        ").lines;
-        let memory = if scene.memory.is_empty() { String::new() } else { format!("        double *memory = {}_memory(c);\n", self.prefix) };
-        format!("    if (scene == {place}) {{\n{memory}{lines}        {}_set_phase(c, {});\n    }}\n", self.prefix, scene.phase)
+        let memory = if scene.memory.is_empty() {
+            String::new()
+        } else {
+            format!("        double *memory = {}_memory(c);\n", self.prefix)
+        };
+        format!(
+            "    if (scene == {place}) {{\n{memory}{lines}        {}_set_phase(c, {});\n    }}\n",
+            self.prefix, scene.phase
+        )
     }
 
     fn of_constants(&self, name: &str, values: &[Id]) -> String {
