@@ -255,7 +255,6 @@ fn structure(program: &Program, at: &References) -> String {
         element("ContinuousStateDerivative", at.derivatives..at.parameters),
         element("InitialUnknown", at.outputs..at.indicators),
         element("InitialUnknown", at.derivatives..at.parameters),
-        element("InitialUnknown", at.indicators..at.phase),
         element("EventIndicator", at.indicators..at.indicators + program.model.events.len() + program.switches.len()),
     ]
     .concat()

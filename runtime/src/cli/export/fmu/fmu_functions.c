@@ -382,7 +382,7 @@ EXPORT fmi3Status fmi3DoStep(fmu *f, double now, double length, bool no_return, 
     good = good && (f->m.stopped || integrate(&f->m, now + length));
     *event = false;
     *terminate = f->m.stopped;
-    *early = f->m.stopped;
+    *early = false;
     *last = f->m.t;
     return done(f, good);
 }

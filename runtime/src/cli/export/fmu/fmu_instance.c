@@ -198,6 +198,25 @@ static int phase_with(const char *wanted) {
     return -1;
 }
 
+/* How long a hop lasts that begins with the rates of these rows; 0 where nothing brings it back. */
+static double hop(instance *m, const action *done) {
+    double longest = 0.0;
+#if ROWS > 0
+    double c[3 * ROWS], back[ROWS], matrix[ROWS * COORDINATES];
+    if (!evaluate(m)) return 0.0;
+    triples(m, c);
+    MODEL(constraint_bias)(m->c, m->t, m->u, m->q, m->v, back);
+    MODEL(constraint_matrix)(m->c, m->t, m->u, m->q, matrix);
+    for (int k = done->first; k < done->first + done->count; k++) {
+        for (int i = 0; i < COORDINATES; i++) back[k] += matrix[k * COORDINATES + i] * m->a[i];
+        if (c[3 * k + 1] * back[k] < 0.0) longest = fmax(longest, -2.0 * c[3 * k + 1] / back[k]);
+    }
+#else
+    (void)m; (void)done;
+#endif
+    return longest;
+}
+
 /* An impulse along rows that are not in force; the last of many puts them in force. */
 static int strike(instance *m, const action *done) {
     double c[ROOM(3 * ROWS)], miss[ROOM(ROWS)], restitutions[ROOM(RESTITUTIONS)], fastest = 0.0;
@@ -220,7 +239,11 @@ static int strike(instance *m, const action *done) {
     }
     if (!jump(m, count, which, miss)) return 0;
     m->approach = fmax(m->approach, fastest);
-    if (e * fastest > LAST * m->approach) return 1;
+    if (e * fastest > LAST * m->approach) {
+        /* So that no step is longer than a hop. */
+        m->step = 0.25 * hop(m, done);
+        return 1;
+    }
     const int phase = phase_with(rows);
     if (phase < 0) return e > 0.0;
     MODEL(set_phase)(m->c, phase);

@@ -154,8 +154,8 @@ int integrate(instance *m, double until) {
         int changed;
         if (count > MOST_STEPS || !advance(m, fmin(until, fmax(tick, m->t)))) return 0;
         if (m->t >= tick) {
-            if (!happen(m, &changed)) return 0;
             m->step = 0.0;
+            if (!happen(m, &changed)) return 0;
         }
     }
     return 1;
