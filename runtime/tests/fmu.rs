@@ -20,7 +20,7 @@ const COMPARED: [(&str, &[&str]); 13] = [
     ("base_excitation", &[]),
     ("shaken_pendulum", &[]),
     // Constraints: closed loops, speeds, a quaternion beside them.
-    ("slider_crank", &[]),
+    ("slider_crank", &["--until", "2"]),
     ("chaplygin_sleigh", &[]),
     ("rolling_disc", &["--until", "2"]),
     // Phases with friction, an end by an event.
@@ -112,10 +112,11 @@ fn fmus_move_as_the_program_does() {
     assert!(output.status.success(), "{text}\n{}", String::from_utf8_lossy(&output.stderr));
     let lines: Vec<Vec<&str>> = text.lines().map(|line| line.splitn(5, ' ').collect()).collect();
     assert_eq!(lines.len(), 2 * COMPARED.len(), "{text}");
-    for line in lines {
+    let right = |line: &Vec<&str>| {
         let (worst, compared): (f64, usize) = (line[2].parse().unwrap(), line[3].parse().unwrap());
-        assert!(worst <= TOLERANCE && compared >= 100 && line[4] == "valid", "{line:?}");
-    }
+        worst <= TOLERANCE && compared >= 100 && line[4] == "valid"
+    };
+    assert!(lines.iter().all(right), "{text}");
     fs::remove_dir_all(folder).unwrap();
 }
 
