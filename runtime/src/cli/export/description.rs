@@ -206,12 +206,17 @@ fn variables(program: &Program, at: &References, start: &Start) -> Vec<Variable>
             .zip(at.indicators..)
             .map(|(name, k)| variable(k, &name, &None, local, None, "0 where it happens")),
     );
+    name_apart(&mut out);
+    out
+}
+
+/// Gives every variable a name of its own.
+fn name_apart(variables: &mut [Variable]) {
     let mut taken = HashSet::new();
-    for variable in &mut out {
+    for variable in variables {
         variable.name = unique(&variable.name, &taken);
         taken.insert(variable.name.clone());
     }
-    out
 }
 
 /// Coordinates with their rates, states of first order, and the derivatives of all.

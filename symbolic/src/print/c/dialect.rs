@@ -224,7 +224,7 @@ pub(super) fn comment(words: &str) -> String {
             line = line.replace(pair, apart);
         }
     }
-    line.trim_end().trim_end_matches('\\').to_owned()
+    line.trim_end_matches([' ', '\\']).to_owned()
 }
 
 /// A string literal, of any bytes.
