@@ -129,6 +129,11 @@ fn every_command_of_the_page_on_orbits_prints_what_it_shows() {
 }
 
 #[test]
+fn every_command_of_the_page_on_bridges_prints_what_it_shows() {
+    assert_eq!(commands_print_what_they_show("docs/bridges.md"), 2);
+}
+
+#[test]
 fn every_test_that_the_catalogue_of_failures_names_exists() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace's folder");
     let text = std::fs::read_to_string(root.join("docs/stability.md")).expect("the catalogue");

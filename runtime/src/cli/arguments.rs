@@ -19,14 +19,25 @@ pub fn command() -> Command {
                 .about("Prints the derived equations, operation counts and what was recognised")
                 .arg(model())
                 .args(sizes())
-                .arg(flag("linear", "Print M, C, K and B of small motions about the file's `equilibrium`, as expressions of the parameters; with --latex in LaTeX").conflicts_with_all(["rust", "python", "json"]))
+                .arg(flag("linear", "Print M, C, K and B of small motions about the file's `equilibrium`, as expressions of the parameters; with --latex in LaTeX").conflicts_with_all(["rust", "python", "c", "json"]))
                 .arg(many("at", "NAME=EXPR", "Another equilibrium: a coordinate's value, an expression of parameters").requires("linear"))
                 .arg(flag("rust", "Print the generated Rust instead"))
                 .arg(flag("latex", "Print them in LaTeX"))
                 .arg(flag("python", "Print a module for Python (NumPy) that gives M, h and the rate of the state"))
+                .arg(flag("c", "Print C99, one text that compiles by itself: everything that the Rust has, and accelerations"))
                 .arg(flag("json", "Print one JSON object"))
                 .arg(output("FILE"))
-                .group(ArgGroup::new("form").args(["rust", "latex", "python", "json"])),
+                .group(ArgGroup::new("form").args(["rust", "latex", "python", "c", "json"])),
+        )
+        .subcommand(
+            Command::new("export")
+                .about("Writes a model as code for other programs")
+                .arg(model())
+                .args(sizes())
+                .args(scene())
+                .arg(value("fmu", "FILE.fmu", "Write an FMU (FMI 3.0) that starts as the scene does: Model Exchange and Co-Simulation, sources, and where there is a C compiler a library").value_hint(ValueHint::FilePath))
+                .group(ArgGroup::new("what").args(["c", "fmu"]).multiple(true).required(true))
+                .arg(value("c", "FOLDER", "Write NAME.h, NAME.c and the core that all models share, C99").value_hint(ValueHint::DirPath)),
         )
         .subcommand(
             Command::new("check")

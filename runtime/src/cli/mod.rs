@@ -17,6 +17,7 @@ mod compare;
 mod completions;
 mod drawn;
 mod enforcement;
+mod export;
 mod families;
 mod freedoms;
 mod generate;
@@ -100,6 +101,7 @@ pub fn run(
     match command {
         "list" => list::run(models, out),
         "show" => show::run(models, options, out),
+        "export" => export::run(models, options, out),
         "generate" => generate::run(models, options, out),
         "check" => check::run(models, options, out),
         "simulate" => simulate::run(models, options, out),

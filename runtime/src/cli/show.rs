@@ -1,4 +1,4 @@
-//! `show`: the derived equations as text, in LaTeX, as JSON; the generated Rust, or a module for Python.
+//! `show`: the derived equations as text, in LaTeX, as JSON; the generated Rust, C, or a module for Python.
 
 use std::io::Write;
 
@@ -12,7 +12,7 @@ use serde_json::Value;
 use super::load::{Loaded, pairs};
 use super::{Entry, Problem, check, json, outputs};
 
-/// Prints M, h, constraints and what was recognised; with `--rust` or `--python` code.
+/// Prints M, h, constraints and what was recognised; with `--rust`, `--python` or `--c` code.
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let loaded = Loaded::find(models, options)?;
     let mut text = Vec::new();
@@ -45,6 +45,10 @@ fn print_form(loaded: &Loaded, options: &ArgMatches, out: &mut dyn Write) -> Res
     }
     if options.get_flag("python") {
         write!(out, "{}", print::python(&program, &loaded.name))?;
+        return Ok(());
+    }
+    if options.get_flag("c") {
+        write!(out, "{}", print::c(&program, &loaded.name).whole())?;
         return Ok(());
     }
     if options.get_flag("linear") {

@@ -7,8 +7,9 @@
 use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
 use std::fmt::Write;
 
+use super::dialect::{Dialect, Level, Piece};
 use super::scope::{Names, Scope, joined};
-use crate::expr::{Binary, Graph, Id, Node, Number, Symbol, Table, Unary};
+use crate::expr::{Binary, Graph, Id, Node, Number, Rational, Symbol, Table, Unary};
 
 /// What happens with a computed value.
 pub(super) enum Use {
@@ -61,25 +62,8 @@ pub(super) struct Bodies<'a> {
     pub first_memory: usize,
     /// What tables are numbered by.
     pub tables: &'a [Table],
-    /// The type that describes them.
-    pub owner: &'a str,
-}
-
-#[derive(Clone)]
-struct Piece {
-    text: String,
-    level: Level,
-    depth: u8,
-    /// What it reads of the block of constants.
-    constants: Vec<usize>,
-}
-
-#[derive(Clone, Copy, PartialEq, PartialOrd)]
-enum Level {
-    Sum,
-    Product,
-    Sign,
-    Atom,
+    /// The language.
+    pub dialect: &'a dyn Dialect,
 }
 
 /// The printing of one function.
@@ -182,7 +166,7 @@ impl Bodies<'_> {
         }
     }
 
-    /// `let &[theta1, theta2] = q;` and the like, for what is used; and all that is read.
+    /// Variables for entries of the state that are used; and all that is read.
     fn bindings(&self, needed: &[bool], indent: &str) -> (String, Reads) {
         let n = self.names.coordinates.len();
         let mut lists = vec![vec![None; n], vec![None; n], vec![None; n], vec![None; self.names.multipliers.len()]];
@@ -220,8 +204,7 @@ impl Bodies<'_> {
         for (order, (list, array)) in lists.into_iter().zip(["q", "v", "a", "l"]).enumerate() {
             if list.iter().any(Option::is_some) {
                 reads.state[order] = true;
-                let names: Vec<&str> = list.into_iter().map(|n| n.unwrap_or("_")).collect();
-                let _ = writeln!(lines, "{indent}let &[{}] = {array};", names.join(", "));
+                let _ = writeln!(lines, "{indent}{}", self.dialect.unpack(&list, array));
             }
         }
         (lines, reads)
@@ -237,7 +220,7 @@ impl Bodies<'_> {
             Symbol::Input(k, order) => format!("u[{}]", 3 * k + u32::from(order)),
             Symbol::Multiplier(k) => self.names.multipliers[k as usize].clone(),
             // Derivations leave neither reactions nor dummies nor symbols of states in what is printed.
-            _ => "S::ratio(0.0, 1.0)".to_owned(),
+            _ => self.dialect.number(Number::Exact(Rational::ZERO)),
         }
     }
 }
@@ -254,22 +237,20 @@ impl Writer<'_> {
         } else {
             let name = self.scope.temporary();
             self.bind(&piece.constants);
-            let _ = writeln!(self.lines, "{}let {name} = {};", self.indent, piece.text);
-            atom(name)
+            let _ = writeln!(self.lines, "{}{}", self.indent, self.of.dialect.declare(&[&name], &[piece.text]));
+            Piece::atom(name)
         };
         self.pieces.insert(id, piece);
     }
 
-    /// `let (m, g) = (c[0], c[2]);`, for those that have no variable yet.
+    /// Variables for those constants that have none yet.
     fn bind(&mut self, constants: &[usize]) {
         let new: Vec<usize> = constants.iter().copied().filter(|place| self.bound.insert(*place)).collect();
         let names: Vec<&str> = new.iter().map(|place| self.of.names.constants[*place].as_str()).collect();
         let values: Vec<String> = new.iter().map(|place| format!("c[{place}]")).collect();
-        let _ = match (names.as_slice(), values.as_slice()) {
-            ([], _) => Ok(()),
-            ([name], [value]) => writeln!(self.lines, "{}let {name} = {value};", self.indent),
-            _ => writeln!(self.lines, "{}let ({}) = ({});", self.indent, names.join(", "), values.join(", ")),
-        };
+        if !names.is_empty() {
+            let _ = writeln!(self.lines, "{}{}", self.indent, self.of.dialect.declare(&names, &values));
+        }
     }
 
     fn use_up(&mut self, item: &Use) {
@@ -278,17 +259,15 @@ impl Writer<'_> {
         self.bind(&constants);
         let _ = match item {
             Use::Store(target, id) => writeln!(self.lines, "{indent}{target} = {};", self.pieces[id].text),
-            Use::Pivot(coordinate, pivot, diagonal) => writeln!(
-                self.lines,
-                "{indent}if !{}.abs().exceeds({}.abs() * S::pivot_floor()) {{\n{indent}    return ::core::result::Result::Err(::dalembert::mechanism::SingularMass {{ coordinate: {coordinate} }});\n{indent}}}",
-                at_least(&self.pieces[pivot], Level::Atom),
-                at_least(&self.pieces[diagonal], Level::Atom),
-            ),
+            Use::Pivot(coordinate, pivot, diagonal) => {
+                let [pivot, diagonal] = [pivot, diagonal].map(|id| &self.pieces[id]);
+                writeln!(self.lines, "{}", self.of.dialect.pivot(*coordinate, [pivot, diagonal], indent))
+            }
         };
     }
 
     fn constant(&self, place: usize) -> Piece {
-        Piece { constants: vec![place], ..atom(self.of.names.constants[place].clone()) }
+        Piece { constants: vec![place], ..Piece::atom(self.of.names.constants[place].clone()) }
     }
 
     fn piece(&mut self, id: Id) -> Piece {
@@ -296,29 +275,26 @@ impl Writer<'_> {
             return self.constant(*place);
         }
         match self.of.graph.node(id) {
-            Node::Number(place) => literal(self.of.graph.number_at(place)),
+            Node::Number(place) => Piece::atom(self.of.dialect.number(self.of.graph.number_at(place))),
             Node::Symbol(s) => match self.of.place(s) {
                 Some(place) => self.constant(place),
-                None => atom(self.of.symbol(s)),
+                None => Piece::atom(self.of.symbol(s)),
             },
             Node::Unary(Unary::Sin | Unary::Cos, x) => self.sine_and_cosine(id, x),
             Node::Unary(Unary::Neg, x) => {
                 let inner = &self.pieces[&x];
-                over(inner, format!("-{}", at_least(inner, Level::Atom)), Level::Sign)
+                inner.inside(format!("-{}", inner.at_least(Level::Atom)), Level::Sign)
             }
             Node::Unary(Unary::Table(table), x) => {
                 let inner = &self.pieces[&x];
                 let place = self.of.tables.iter().position(|known| *known == table.whole()).unwrap_or(0);
-                let receiver = at_least(inner, Level::Atom);
-                let text =
-                    format!("{receiver}.table(&{}::description().tables[{place}], {})", self.of.owner, table.order());
-                over(inner, text, Level::Atom)
+                inner.inside(self.of.dialect.table(place, table.order(), inner), Level::Atom)
             }
             Node::Unary(f, x) => {
                 let inner = &self.pieces[&x];
-                over(inner, format!("{}.{}()", at_least(inner, Level::Atom), f.name()), Level::Atom)
+                inner.inside(self.of.dialect.unary(f, inner), Level::Atom)
             }
-            Node::Binary(operation, x, y) => binary(operation, &self.pieces[&x], &self.pieces[&y]),
+            Node::Binary(operation, x, y) => self.binary(operation, &self.pieces[&x], &self.pieces[&y]),
         }
     }
 
@@ -326,101 +302,36 @@ impl Writer<'_> {
     fn sine_and_cosine(&mut self, id: Id, argument: Id) -> Piece {
         let angle = self.pieces[&argument].clone();
         self.bind(&angle.constants);
-        let receiver = at_least(&angle, Level::Atom);
         let plain = angle.text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
         let name = if plain { angle.text.clone() } else { self.scope.temporary() };
         let (sine, cosine) = (joined("sin", &name), joined("cos", &name));
-        let indent = self.indent;
-        let mut give = |wanted: &str, id: Id| {
-            let name = self.scope.fresh(wanted);
-            self.pieces.insert(id, atom(name.clone()));
-            name
+        let mut give = |wanted: &str, id: Option<Id>| {
+            id.map(|id| {
+                let name = self.scope.fresh(wanted);
+                self.pieces.insert(id, Piece::atom(name.clone()));
+                name
+            })
         };
-        let _ = match self.turns[&argument] {
-            [Some(s), Some(c)] => {
-                let (sine, cosine) = (give(&sine, s), give(&cosine, c));
-                writeln!(self.lines, "{indent}let ({sine}, {cosine}) = {receiver}.sin_cos();")
-            }
-            [Some(s), None] => writeln!(self.lines, "{indent}let {} = {receiver}.sin_cos().0;", give(&sine, s)),
-            [None, _] => writeln!(self.lines, "{indent}let {} = {receiver}.sin_cos().1;", give(&cosine, id)),
-        };
+        let [s, c] = self.turns[&argument];
+        let names = [give(&sine, s), give(&cosine, c)];
+        let _ = writeln!(self.lines, "{}{}", self.indent, self.of.dialect.turn(&names, &angle));
         self.pieces[&id].clone()
     }
-}
 
-fn binary(operation: Binary, a: &Piece, b: &Piece) -> Piece {
-    let made = |text: String, level: Level| {
-        let constants = a.constants.iter().chain(&b.constants).copied().collect();
-        Piece { text, level, depth: a.depth.max(b.depth) + 1, constants }
-    };
-    let call = |name: &str| made(format!("{}.{name}({})", at_least(a, Level::Atom), b.text), Level::Atom);
-    let (sign, level, right) = match operation {
-        Binary::Add => (" + ", Level::Sum, Level::Product),
-        Binary::Sub => (" - ", Level::Sum, Level::Product),
-        Binary::Mul => (" * ", Level::Product, Level::Sign),
-        Binary::Div => (" / ", Level::Product, Level::Sign),
-        Binary::Pow => return call("powf"),
-        Binary::Atan2 => return call("atan2"),
-        Binary::Min => return call("min"),
-        Binary::Max => return call("max"),
-    };
-    made(format!("{}{sign}{}", at_least(a, level), at_least(b, right)), level)
-}
-
-/// A piece around another one.
-fn over(inner: &Piece, text: String, level: Level) -> Piece {
-    Piece { text, level, depth: inner.depth + 1, constants: inner.constants.clone() }
-}
-
-fn atom(text: String) -> Piece {
-    Piece { text, level: Level::Atom, depth: 0, constants: Vec::new() }
-}
-
-fn at_least(piece: &Piece, level: Level) -> String {
-    if piece.level < level { format!("({})", piece.text) } else { piece.text.clone() }
-}
-
-/// A constant of the scalar type, exact where a ratio of two floats is.
-fn literal(number: Number) -> Piece {
-    let exact = |n: i128| n.unsigned_abs() < 1 << 53;
-    atom(match number {
-        Number::Exact(r) if exact(r.numerator()) && exact(r.denominator()) => {
-            format!("S::ratio({:?}, {:?})", r.numerator() as f64, r.denominator() as f64)
-        }
-        _ => format!("S::from_f64({})", float(number.to_f64())),
-    })
-}
-
-/// A float as Rust text: a well-known constant by its name, any other by its shortest digits.
-pub(super) fn float(x: f64) -> String {
-    match CONSTANTS.iter().find(|(_, value)| *value == x.abs()) {
-        Some((name, _)) => format!("{}::std::f64::consts::{name}", if x < 0.0 { "-" } else { "" }),
-        None => format!("{x:?}"),
+    fn binary(&self, operation: Binary, a: &Piece, b: &Piece) -> Piece {
+        let made = |text: String, level: Level| {
+            let constants = a.constants.iter().chain(&b.constants).copied().collect();
+            Piece { text, level, depth: a.depth.max(b.depth) + 1, constants }
+        };
+        let (sign, level, right) = match operation {
+            Binary::Add => (" + ", Level::Sum, Level::Product),
+            Binary::Sub => (" - ", Level::Sum, Level::Product),
+            Binary::Mul => (" * ", Level::Product, Level::Sign),
+            Binary::Div => (" / ", Level::Product, Level::Sign),
+            Binary::Pow | Binary::Atan2 | Binary::Min | Binary::Max => {
+                return made(self.of.dialect.binary(operation, a, b), Level::Atom);
+            }
+        };
+        made(format!("{}{sign}{}", a.at_least(level), b.at_least(right)), level)
     }
 }
-
-/// Constants that are printed by name.
-const CONSTANTS: &[(&str, f64)] = {
-    use std::f64::consts as of;
-    &[
-        ("PI", of::PI),
-        ("TAU", of::TAU),
-        ("FRAC_PI_2", of::FRAC_PI_2),
-        ("FRAC_PI_3", of::FRAC_PI_3),
-        ("FRAC_PI_4", of::FRAC_PI_4),
-        ("FRAC_PI_6", of::FRAC_PI_6),
-        ("FRAC_PI_8", of::FRAC_PI_8),
-        ("FRAC_1_PI", of::FRAC_1_PI),
-        ("FRAC_2_PI", of::FRAC_2_PI),
-        ("FRAC_2_SQRT_PI", of::FRAC_2_SQRT_PI),
-        ("SQRT_2", of::SQRT_2),
-        ("FRAC_1_SQRT_2", of::FRAC_1_SQRT_2),
-        ("E", of::E),
-        ("LN_2", of::LN_2),
-        ("LN_10", of::LN_10),
-        ("LOG2_E", of::LOG2_E),
-        ("LOG2_10", of::LOG2_10),
-        ("LOG10_E", of::LOG10_E),
-        ("LOG10_2", of::LOG10_2),
-    ]
-};

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::body::float;
+use super::literal::float;
 use super::{si_unit, words};
 use crate::derive::{Switch, SwitchKind, without_modes};
 use crate::expr::{Id, Symbol};

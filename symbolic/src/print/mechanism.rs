@@ -2,9 +2,10 @@
 
 use std::fmt::Write;
 
-use super::body::{Bodies, Use, float};
+use super::body::{Bodies, Use};
 use super::description::description;
 use super::function::{Function, Target, argument, stores};
+use super::literal::float;
 use super::parameters::field;
 use super::rust::UNJUDGED;
 use super::series::recurrences;

@@ -1,14 +1,17 @@
 //! Programs to Rust, to Python, and to formulas for people.
 
 mod body;
+mod c;
 mod constants;
 mod contacts;
 mod description;
+mod dialect;
 mod documentation;
 mod formula;
 mod function;
 mod linear;
 mod linearisation;
+mod literal;
 mod mechanism;
 mod memory;
 mod momentum;
@@ -27,6 +30,7 @@ mod units;
 mod words;
 
 pub use crate::model::{field_name, type_name};
+pub use c::{CORE_HEADER, CORE_SOURCE, CText, c, c_float, core_file};
 pub use description::{fnv1a, switch_text};
 pub use linear::{About, Degree, LinearEnergies, linear_energies, linear_law};
 pub use linearisation::{Linearisation, NotLinear};

@@ -2,9 +2,10 @@
 
 use std::fmt::Write;
 
-use super::body::{Bodies, float};
+use super::body::Bodies;
 use super::description::{list, string};
 use super::function::{argument, of_constants};
+use super::literal::float;
 use crate::lower::Program;
 use crate::model::{Closes, Goal, Image, Motion};
 

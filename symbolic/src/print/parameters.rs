@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use super::body::{Bodies, float};
+use super::body::Bodies;
 use super::documentation::{about, tested};
 use super::function::of_constants;
+use super::literal::float;
 use super::rust::UNJUDGED;
 use super::units::si_unit;
 use super::words::documentation;

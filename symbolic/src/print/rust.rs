@@ -4,9 +4,10 @@ use rustc_hash::FxHashMap as HashMap;
 
 use super::body::Bodies;
 use super::constants::name_constants;
+use super::dialect;
 use super::mechanism::Mechanism;
 use super::parameters::parameters;
-use super::scope::Names;
+use super::scope::{Names, Scope};
 use super::source_file::format_check;
 use crate::expr::{Id, Node, Number, Rational, Symbol, Table, Unary};
 use crate::lower::{Accelerations, Program};
@@ -17,7 +18,7 @@ use crate::model::{Clock, Contact, EventAction, Goal};
 /// `source` is the model file's text, `name` the type's name.  Every path is absolute, and every name inside
 /// functions comes from one scope (`scope.rs`), so that nothing in the file or around the expansion changes a meaning.
 pub fn rust(program: &Program, source: &str, name: &str) -> String {
-    let mut names = Names::of(&program.model);
+    let mut names = Names::of(&program.model, Scope::root());
     let constants = hoist(program);
     name_constants(&mut names, program, &constants);
     let free = program.model.parameters.len();
@@ -32,6 +33,7 @@ pub fn rust(program: &Program, source: &str, name: &str) -> String {
         program.model.coordinates.len(),
         program.constraints.len()
     );
+    let dialect = dialect::Rust { owner: &owner };
     let bodies = |hoisted| Bodies {
         graph: &program.model.graph,
         names: &names,
@@ -40,7 +42,7 @@ pub fn rust(program: &Program, source: &str, name: &str) -> String {
         first_phase,
         first_memory,
         tables: &tables,
-        owner: &owner,
+        dialect: &dialect,
     };
     let mechanism = Mechanism {
         program,
@@ -56,7 +58,7 @@ pub fn rust(program: &Program, source: &str, name: &str) -> String {
 pub(super) const UNJUDGED: &str = "#[allow(clippy::all, clippy::pedantic, clippy::nursery)]\n";
 
 /// Expressions of parameters only that some function needs, in order of creation.
-fn hoist(program: &Program) -> Vec<Id> {
+pub(super) fn hoist(program: &Program) -> Vec<Id> {
     let graph = &program.model.graph;
     let varying = graph.contains(|s| !matches!(s, Symbol::Parameter(_)));
     let roots = program.roots();

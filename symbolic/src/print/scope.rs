@@ -44,10 +44,14 @@ pub(super) struct Scope<'a> {
 }
 
 impl<'a> Scope<'a> {
-    /// The outermost: keywords, and the names that generated functions have of themselves.
+    /// The outermost of Rust: keywords, and the names that generated functions have of themselves.
     pub fn root() -> Scope<'static> {
-        let taken = KEYWORDS.iter().chain(OWN).map(|name| (*name).to_owned()).collect();
-        Scope { outer: None, taken, temporaries: 0 }
+        Scope::with(KEYWORDS.iter().chain(OWN).map(|name| (*name).to_owned()))
+    }
+
+    /// One in which these names are taken.
+    pub fn with(taken: impl Iterator<Item = String>) -> Scope<'static> {
+        Scope { outer: None, taken: taken.collect(), temporaries: 0 }
     }
 
     /// A scope inside this one.
@@ -91,8 +95,8 @@ pub(super) struct Names {
 }
 
 impl Names {
-    pub fn of(model: &Model) -> Names {
-        let mut scope = Scope::root();
+    /// Names in an outermost scope.
+    pub fn of(model: &Model, mut scope: Scope<'static>) -> Names {
         // All coordinates first: one called `x_dot` keeps its name, and the rate of `x` gets another.
         let mechanical = &model.coordinates[..model.mechanical()];
         let own: Vec<String> = mechanical.iter().map(|c| scope.fresh(&local_name(&c.name))).collect();

@@ -56,7 +56,7 @@ fn is_link(rest: &str) -> bool {
 }
 
 /// One line in which every character can be seen.
-fn visible(words: &str) -> String {
+pub(super) fn visible(words: &str) -> String {
     let mut line = String::with_capacity(words.len());
     for c in words.chars() {
         match c {

@@ -1,0 +1,145 @@
+//! A model as an FMU of FMI 3.0: its C, what an instance of it does, and, where there is a C compiler, the library made of both.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use dalembert_symbolic::expr::{Id, Symbol};
+use dalembert_symbolic::lower::{InputJump, Program};
+use dalembert_symbolic::print::{self, CText};
+
+use super::super::Problem;
+use super::description::{Start, description};
+use super::{tables, zip};
+
+/// The C that all FMUs share.
+const SHARED: [(&str, &str); 4] = [
+    ("fmu_instance.h", include_str!("fmu/fmu_instance.h")),
+    ("fmu_instance.c", include_str!("fmu/fmu_instance.c")),
+    ("fmu_integrate.c", include_str!("fmu/fmu_integrate.c")),
+    ("fmu_functions.c", include_str!("fmu/fmu_functions.c")),
+];
+
+/// What was written, and of the library why it was not.
+pub struct Fmu {
+    /// The archive.
+    pub bytes: Vec<u8>,
+    /// Why it has no library.
+    pub without_library: Option<String>,
+}
+
+/// The FMU of a model.
+///
+/// # Errors
+/// What the model has that an FMU cannot do.
+pub fn fmu(program: &Program, code: &CText, start: &Start) -> Result<Fmu, Problem> {
+    refuse(program)?;
+    let name = &code.prefix;
+    let mut sources = vec![
+        (format!("{name}.h"), code.header.clone()),
+        (format!("{name}.c"), code.file()),
+        ("dalembert_core.h".to_owned(), print::CORE_HEADER.to_owned()),
+        ("dalembert_core.c".to_owned(), print::core_file()),
+        ("fmu_description.h".to_owned(), tables::tables(program, code, start)),
+    ];
+    sources.extend(SHARED.iter().map(|(file, text)| ((*file).to_owned(), (*text).to_owned())));
+    let library = library(name, &sources);
+    let mut files = vec![
+        ("modelDescription.xml".to_owned(), description(program, code, start).into_bytes()),
+        ("sources/buildDescription.xml".to_owned(), build(name, &sources).into_bytes()),
+    ];
+    files.extend(sources.into_iter().map(|(file, text)| (format!("sources/{file}"), text.into_bytes())));
+    let without_library = match library {
+        Ok(bytes) => {
+            files.push((format!("binaries/x86_64-linux/{name}.so"), bytes));
+            None
+        }
+        Err(reason) => Some(reason),
+    };
+    Ok(Fmu { bytes: zip::stored(&files), without_library })
+}
+
+/// Refuses what only this program's runs do.
+fn refuse(program: &Program) -> Result<(), Problem> {
+    let model = &program.model;
+    if let Some(contact) = model.contacts.first() {
+        return Err(Problem::Usage(format!(
+            "error: `{}`: what contacts and friction that sticks do together is decided by a run of this program, not by an FMU; write \
+             its `phases` and `events` out, or take the equations with export --c",
+            contact.name
+        )));
+    }
+    let sharp = program.switches.iter().any(|switch| switch.of_input);
+    let jump = program.jumps.iter().position(|jump| *jump != InputJump::Force);
+    if let Some(input) = jump.filter(|_| sharp) {
+        return Err(Problem::Usage(format!(
+            "error: `{}` may jump or turn sharply, and its rates stand in the equations: such impulses are part of a run of this \
+             program, not of an FMU; write a smooth input",
+            model.inputs[input].name
+        )));
+    }
+    Ok(())
+}
+
+/// The inputs' rates that anything contains: (input, order).
+pub fn used_rates(program: &Program) -> Vec<(usize, usize)> {
+    let constraints = &program.constraints;
+    let lists: [&[Id]; 7] = [
+        &program.residual,
+        &program.outputs,
+        &program.events,
+        &program.assignments,
+        &program.switch_pairs,
+        &constraints.bias,
+        &constraints.values,
+    ];
+    let symbols = program.model.graph.symbols(lists.concat());
+    let inputs = 0..program.model.inputs.len();
+    let orders = inputs.flat_map(|input| (1..3).map(move |order| (input, order)));
+    orders.filter(|(input, order)| symbols.contains(&Symbol::Input(*input as u32, *order as u8))).collect()
+}
+
+fn build(name: &str, sources: &[(String, String)]) -> String {
+    let files = sources.iter().filter(|(file, _)| file.ends_with(".c"));
+    let files: String = files.map(|(file, _)| format!("      <SourceFile name=\"{file}\"/>\n")).collect();
+    format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiBuildDescription fmiVersion=\"3.0\">\n  <BuildConfiguration modelIdentifier=\"{name}\">\n    <SourceFileSet language=\"C99\">\n{files}    </SourceFileSet>\n  </BuildConfiguration>\n</fmiBuildDescription>\n"
+    )
+}
+
+/// The library for Linux on x86-64.
+fn library(name: &str, sources: &[(String, String)]) -> Result<Vec<u8>, String> {
+    if !cfg!(all(target_os = "linux", target_arch = "x86_64")) {
+        return Err("a library is compiled on Linux on x86-64 only".to_owned());
+    }
+    let known = |compiler: &&str| {
+        let tried = Command::new(compiler).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
+        tried.is_ok_and(|status| status.success())
+    };
+    let compiler = ["cc", "gcc", "clang"].into_iter().find(known).ok_or("there is no C compiler")?;
+    let folder = std::env::temp_dir().join(format!("dalembert-fmu-{}-{name}", std::process::id()));
+    let compiled = compile(compiler, &folder, name, sources);
+    let removed = std::fs::remove_dir_all(&folder);
+    let bytes = compiled?;
+    removed.map_err(|error| error.to_string())?;
+    Ok(bytes)
+}
+
+fn compile(compiler: &str, folder: &Path, name: &str, sources: &[(String, String)]) -> Result<Vec<u8>, String> {
+    std::fs::create_dir_all(folder).map_err(|error| error.to_string())?;
+    for (file, text) in sources {
+        std::fs::write(folder.join(file), text).map_err(|error| error.to_string())?;
+    }
+    let library = folder.join(format!("{name}.so"));
+    let files = sources.iter().filter(|(file, _)| file.ends_with(".c")).map(|(file, _)| folder.join(file));
+    let done = Command::new(compiler)
+        .args(["-std=c99", "-O2", "-fPIC", "-shared", "-fvisibility=hidden", "-o"])
+        .arg(&library)
+        .args(files)
+        .arg("-lm")
+        .output()
+        .map_err(|error| error.to_string())?;
+    if !done.status.success() {
+        return Err(format!("{compiler} failed: {}", String::from_utf8_lossy(&done.stderr)));
+    }
+    std::fs::read(&library).map_err(|error| error.to_string())
+}

@@ -1,0 +1,336 @@
+#include "fmu_instance.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "dalembert_core.h"
+
+/* A function of an event has a sign beyond this part of its largest value. */
+#define SURE 1e-12
+/* Impacts that leave this part of the fastest are the last: what remains of them is over at once. */
+#define LAST 1e-5
+/* Events in turn at one instant beyond which they are a cycle. */
+#define CASCADE 50
+/* Newton's steps onto constraints. */
+#define STEPS 20
+
+void take_parameters(instance *m) {
+    double modes[ROOM(MODES)], memory[ROOM(MEMORY)];
+    const int phase = MODEL(phase)(m->c);
+    memcpy(modes, MODEL(modes)(m->c), MODES * sizeof(double));
+    memcpy(memory, MODEL(memory)(m->c), MEMORY * sizeof(double));
+    MODEL(constants)(&m->p, m->c);
+    memcpy(MODEL(modes)(m->c), modes, MODES * sizeof(double));
+    memcpy(MODEL(memory)(m->c), memory, MEMORY * sizeof(double));
+    MODEL(set_phase)(m->c, phase);
+    m->known = 0;
+}
+
+void begin(instance *m) {
+    memset(m, 0, sizeof *m);
+    for (int k = 0; k < PARAMETERS; k++) *MODEL(parameter)(&m->p, k) = start_parameters[k];
+    MODEL(constants)(&m->p, m->c);
+    memcpy(m->q, start_q, COORDINATES * sizeof(double));
+    memcpy(m->v, start_v, COORDINATES * sizeof(double));
+    memcpy(MODEL(memory)(m->c), start_memory, MEMORY * sizeof(double));
+    MODEL(set_phase)(m->c, START_PHASE);
+    m->tolerance = TOLERANCE;
+}
+
+int evaluate(instance *m) {
+    if (m->known) return !m->failed;
+    MODEL(inputs)(m->c, m->t, m->u);
+    for (int k = 0; k < INPUTS; k++)
+        if (m->is_given[3 * k] || m->is_given[3 * k + 1] || m->is_given[3 * k + 2])
+            memcpy(m->u + 3 * k, m->given + 3 * k, 3 * sizeof(double));
+    m->failed = MODEL(accelerations)(m->c, m->t, m->u, m->q, m->v, m->a, m->l) != 0;
+    for (int i = 0; i < COORDINATES; i++) m->failed = m->failed || !(fabs(m->a[i]) <= DBL_MAX);
+    m->known = 1;
+    return !m->failed;
+}
+
+/* Sets the modes as the state asks for; a mode of an input may move others. */
+static void set_modes(instance *m) {
+    for (int pass = 0; pass < (MODES ? 2 : 0); pass++) {
+        m->known = 0;
+        evaluate(m);
+        MODEL(settle)(m->c, m->t, m->u, m->q, m->v, m->a, m->l);
+    }
+    m->known = 0;
+}
+
+static int is_active(const instance *m, int event) {
+    return events[event].phases[MODEL(phase)(m->c)];
+}
+
+int indicators(instance *m, double *z) {
+    double pairs[ROOM(2 * EVENTS)], modes[ROOM(2 * MODES)];
+    if (!evaluate(m)) return 0;
+    MODEL(events)(m->c, m->t, m->u, m->q, m->v, m->a, m->l, pairs);
+    MODEL(switches)(m->c, m->t, m->u, m->q, m->v, m->a, m->l, modes);
+    for (int k = 0; k < EVENTS; k++) {
+        z[k] = events[k].trigger == ZERO && is_active(m, k) ? pairs[2 * k] : 1.0;
+        if (fabs(z[k]) > m->size[k]) m->size[k] = fabs(z[k]);
+        if (z[k] > SURE * m->size[k]) m->seen_above[k] = 1;
+        if (z[k] < -SURE * m->size[k]) m->seen_below[k] = 1;
+    }
+    for (int k = 0; k < MODES; k++) z[EVENTS + k] = modes[2 * k];
+    return 1;
+}
+
+int outputs(instance *m, double *y) {
+    if (!evaluate(m)) return 0;
+    MODEL(outputs)(m->c, m->t, m->u, m->q, m->v, m->a, m->l, y);
+    return 1;
+}
+
+/* The multiplier-free change d of least kinetic energy with J d = -miss in these rows: M d = J^T mu. */
+static int change(instance *m, int count, const int *which, const double *miss, double *d) {
+#if ROWS > 0
+    double mass[COORDINATES * COORDINATES], matrix[ROWS * COORDINATES], rows[ROWS * COORDINATES], nothing[COORDINATES];
+    double mu[ROWS], doubles[DALEMBERT_DOUBLES(COORDINATES, ROWS)];
+    int ints[DALEMBERT_INTS(COORDINATES, ROWS)];
+    MODEL(mass_matrix)(m->c, m->t, m->u, m->q, mass);
+    MODEL(constraint_matrix)(m->c, m->t, m->u, m->q, matrix);
+    for (int i = 0; i < COORDINATES; i++) nothing[i] = 0.0;
+    for (int k = 0; k < count; k++) memcpy(rows + k * COORDINATES, matrix + which[k] * COORDINATES, COORDINATES * sizeof(double));
+    return dalembert_constrained(COORDINATES, count, 0, mass, nothing, rows, miss, NULL, d, mu, doubles, ints) == 0;
+#else
+    (void)m; (void)count; (void)which; (void)miss; (void)d;
+    return 1;
+#endif
+}
+
+/* The rows of the phase; with `holonomic` those without speeds. */
+static int active_rows(const instance *m, int holonomic, int *which) {
+    int all[ROOM(ROWS)], rank, count = 0;
+    const int m_all = MODEL(rows)(MODEL(phase)(m->c), all, &rank);
+    for (int k = 0; k < m_all; k++)
+        if (!holonomic || is_holonomic[all[k]]) which[count++] = all[k];
+    return count;
+}
+
+static void triples(const instance *m, double *c) {
+#if ROWS > 0
+    MODEL(constraints)(m->c, m->t, m->u, m->q, m->v, c);
+#else
+    (void)m; (void)c;
+#endif
+}
+
+double drift(instance *m) {
+    double c[ROOM(3 * ROWS)], most = 0.0;
+    int which[ROOM(ROWS)];
+    evaluate(m);
+    triples(m, c);
+    const int count = active_rows(m, 1, which);
+    for (int k = 0; k < count; k++) most = fmax(most, fabs(c[3 * which[k]]) / fmax(c[3 * which[k] + 2], DBL_MIN));
+    return most;
+}
+
+/* Changes speeds at once such that rows have these rates. */
+static int jump(instance *m, int count, const int *which, const double *miss) {
+    double d[ROOM(COORDINATES)];
+    if (count == 0) return 1;
+    if (!change(m, count, which, miss, d)) return 0;
+    for (int i = 0; i < COORDINATES; i++) m->v[i] += d[i];
+    m->known = 0;
+    return 1;
+}
+
+int project(instance *m) {
+    double c[ROOM(3 * ROWS)], miss[ROOM(ROWS)], d[ROOM(COORDINATES)];
+    int which[ROOM(ROWS)];
+    int count = active_rows(m, 1, which);
+    for (int step = 0; count > 0 && step < STEPS && drift(m) > 4.0 * DBL_EPSILON; step++) {
+        triples(m, c);
+        for (int k = 0; k < count; k++) miss[k] = c[3 * which[k]];
+        if (!change(m, count, which, miss, d)) return 0;
+        for (int i = 0; i < COORDINATES; i++) m->q[i] += d[i];
+        m->known = 0;
+    }
+    evaluate(m);
+    triples(m, c);
+    count = active_rows(m, 0, which);
+    for (int k = 0; k < count; k++) miss[k] = c[3 * which[k] + 1];
+    return jump(m, count, which, miss);
+}
+
+/* What has been seen begins anew. */
+static int look_anew(instance *m) {
+    double z[ROOM(INDICATORS)];
+    memset(m->seen_above, 0, sizeof m->seen_above);
+    memset(m->seen_below, 0, sizeof m->seen_below);
+    return indicators(m, z);
+}
+
+void settle(instance *m) {
+    double clocks[ROOM(2 * CLOCKS)];
+    MODEL(clocks)(m->c, clocks);
+    for (int k = 0; k < CLOCKS; k++) {
+        m->first[k] = clocks[2 * k];
+        m->period[k] = clocks[2 * k + 1];
+        m->ticks[k] = fmax(0.0, ceil((m->t - m->first[k]) / m->period[k] - 1e-9));
+    }
+    set_modes(m);
+    project(m);
+    set_modes(m);
+    look_anew(m);
+}
+
+double next_tick(const instance *m) {
+    double next = HUGE_VAL;
+    for (int k = 0; k < CLOCKS; k++) next = fmin(next, m->first[k] + m->ticks[k] * m->period[k]);
+    return next;
+}
+
+/* The phase with these rows and no others, or -1. */
+static int phase_with(const char *wanted) {
+    for (int phase = 0; phase < (PHASES ? PHASES : 1); phase++) {
+        int which[ROOM(ROWS)], rank, fits = 1;
+        char has[ROOM(ROWS)] = {0};
+        const int count = MODEL(rows)(phase, which, &rank);
+        for (int k = 0; k < count; k++) has[which[k]] = 1;
+        for (int k = 0; k < ROWS; k++) fits = fits && has[k] == wanted[k];
+        if (fits) return phase;
+    }
+    return -1;
+}
+
+/* How long a hop lasts that begins with the rates of these rows; 0 where nothing brings it back. */
+static double hop(instance *m, const action *done) {
+    double longest = 0.0;
+#if ROWS > 0
+    double c[3 * ROWS], back[ROWS], matrix[ROWS * COORDINATES];
+    if (!evaluate(m)) return 0.0;
+    triples(m, c);
+    MODEL(constraint_bias)(m->c, m->t, m->u, m->q, m->v, back);
+    MODEL(constraint_matrix)(m->c, m->t, m->u, m->q, matrix);
+    for (int k = done->first; k < done->first + done->count; k++) {
+        for (int i = 0; i < COORDINATES; i++) back[k] += matrix[k * COORDINATES + i] * m->a[i];
+        if (c[3 * k + 1] * back[k] < 0.0) longest = fmax(longest, -2.0 * c[3 * k + 1] / back[k]);
+    }
+#else
+    (void)m; (void)done;
+#endif
+    return longest;
+}
+
+/* An impulse along rows that are not in force; the last of many puts them in force. */
+static int strike(instance *m, const action *done) {
+    double c[ROOM(3 * ROWS)], miss[ROOM(ROWS)], restitutions[ROOM(RESTITUTIONS)], fastest = 0.0;
+    int which[ROOM(ROWS)];
+    char rows[ROOM(ROWS)] = {0};
+    int count = active_rows(m, 0, which);
+    MODEL(restitutions)(m->c, restitutions);
+    triples(m, c);
+    const double e = restitutions[done->restitution];
+    for (int k = 0; k < count; k++) {
+        rows[which[k]] = 1;
+        miss[k] = 0.0;
+    }
+    for (int k = 0; k < done->count; k++) {
+        const double rate = c[3 * (done->first + k) + 1];
+        fastest = fmax(fastest, fabs(rate));
+        rows[done->first + k] = 1;
+        which[count] = done->first + k;
+        miss[count++] = (1.0 + e) * rate;
+    }
+    if (!jump(m, count, which, miss)) return 0;
+    m->approach = fmax(m->approach, fastest);
+    if (e * fastest > LAST * m->approach) {
+        /* So that no step is longer than a hop. */
+        m->step = 0.25 * hop(m, done);
+        return 1;
+    }
+    const int phase = phase_with(rows);
+    if (phase < 0) return e > 0.0;
+    MODEL(set_phase)(m->c, phase);
+    return project(m);
+}
+
+/* Sets held values and states. */
+static void assign(instance *m, const action *done, char *set) {
+    double values[ROOM(ASSIGNMENTS)];
+    evaluate(m);
+    MODEL(assignments)(m->c, m->t, m->u, m->q, m->v, m->a, m->l, values);
+    for (int k = done->first; k < done->first + done->count; k++) {
+        if (targets[k] >= 0) {
+            MODEL(memory)(m->c)[targets[k]] = values[k];
+            set[targets[k]] = 1;
+        } else {
+            m->v[-1 - targets[k]] = values[k];
+        }
+    }
+    m->known = 0;
+}
+
+/* Whether an event happens now. */
+static int fires(instance *m, int event, const double *pairs, const char *set, int entered) {
+    const double z = pairs[2 * event], condition = pairs[2 * event + 1];
+    const int direction = events[event].direction;
+    if (!is_active(m, event) || !(condition > 0.0)) return 0;
+    if (events[event].trigger == SET) {
+        for (int k = 0; k < MEMORY; k++)
+            if (set[k] && events[event].watched[k]) return 1;
+        return 0;
+    }
+    if (events[event].trigger == TICK) {
+        const int clock = events[event].clock;
+        return m->first[clock] + m->ticks[clock] * m->period[clock] <= m->t + 1e-12 * fabs(m->t);
+    }
+    const double sure = SURE * m->size[event];
+    if (entered) return events[event].acts && (direction > 0 ? z > sure : direction < 0 ? z < -sure : 0);
+    return (direction <= 0 && m->seen_above[event] && z <= 0.0) || (direction >= 0 && m->seen_below[event] && z >= 0.0);
+}
+
+static int act(instance *m, int event, char *set, int *changed) {
+    for (int k = 0; k < events[event].count && !m->stopped; k++) {
+        const action *done = &actions[events[event].first + k];
+        if (done->kind == STOP) m->stopped = 1;
+        if (done->kind == PUT) assign(m, done, set);
+        if (done->kind == IMPACT && !strike(m, done)) return 0;
+        if (done->kind == ENTER) {
+            MODEL(set_phase)(m->c, done->first);
+            if (!project(m)) return 0;
+        }
+        *changed = *changed || done->kind != RECORD;
+    }
+    m->known = 0;
+    return 1;
+}
+
+int happen(instance *m, int *changed) {
+    char set[ROOM(MEMORY)] = {0};
+    int phase = MODEL(phase)(m->c), entered = 0;
+    *changed = 0;
+    set_modes(m);
+    for (int turn = 0; turn < CASCADE; turn++) {
+        double pairs[ROOM(2 * EVENTS)];
+        char now[ROOM(EVENTS)], done = 0;
+        if (!evaluate(m)) return 0;
+        MODEL(events)(m->c, m->t, m->u, m->q, m->v, m->a, m->l, pairs);
+        for (int k = 0; k < EVENTS; k++) {
+            const int again = turn > 0 && events[k].trigger != SET && !(entered && events[k].trigger == ZERO);
+            now[k] = !again && fires(m, k, pairs, set, turn > 0);
+        }
+        memset(set, 0, sizeof set);
+        for (int k = 0; k < EVENTS && !m->stopped; k++) {
+            if (!now[k]) continue;
+            if (!act(m, k, set, changed)) return 0;
+            done = 1;
+        }
+        if (turn == 0)
+            for (int k = 0; k < CLOCKS; k++)
+                if (m->first[k] + m->ticks[k] * m->period[k] <= m->t + 1e-12 * fabs(m->t)) m->ticks[k] += 1.0;
+        if (!done || m->stopped) {
+            set_modes(m);
+            return look_anew(m);
+        }
+        entered = MODEL(phase)(m->c) != phase;
+        phase = MODEL(phase)(m->c);
+        set_modes(m);
+    }
+    return 0;
+}

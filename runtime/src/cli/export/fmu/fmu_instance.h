@@ -1,0 +1,64 @@
+/* One instance of a mechanism in an FMU: its state, what is computed of it, and what happens to it. */
+#ifndef DALEMBERT_INSTANCE_H
+#define DALEMBERT_INSTANCE_H
+
+#include "fmu_description.h"
+
+/* No array of C is empty. */
+#define ROOM(count) ((count) > 0 ? (count) : 1)
+
+enum {
+    STATES = MECHANICAL + COORDINATES, /* q of the file's coordinates, then v */
+    SIGNALS = 3 * INPUTS,
+    INDICATORS = EVENTS + MODES
+};
+
+typedef struct {
+    MODEL(parameters) p;
+    double c[ROOM(CONSTANTS)], t, q[ROOM(COORDINATES)], v[ROOM(COORDINATES)], a[ROOM(COORDINATES)], l[ROOM(ROWS)];
+    double u[ROOM(SIGNALS)], given[ROOM(SIGNALS)];
+    char is_given[ROOM(SIGNALS)];  /* inputs that the importer has set; the file's functions of time stand for the others */
+    int known;                     /* whether u, a and l belong to this state */
+    int failed;                    /* whether there are no accelerations */
+    char seen_above[ROOM(EVENTS)], seen_below[ROOM(EVENTS)]; /* signs of events' functions since the last event */
+    double size[ROOM(EVENTS)];     /* the largest value of each that was seen */
+    double approach;               /* the fastest impact */
+    double first[ROOM(CLOCKS)], period[ROOM(CLOCKS)], ticks[ROOM(CLOCKS)];
+    double tolerance, step;
+    int stopped;
+} instance;
+
+/* Begins at the start that was exported. */
+void begin(instance *m);
+
+/* Fills what depends on parameters, and keeps modes, phase and held values. */
+void take_parameters(instance *m);
+
+/* Puts the state on the constraints, and modes where it is: at the start, and whenever an importer was free to change everything. */
+void settle(instance *m);
+
+/* Computes inputs, accelerations and multipliers of the present state, once; 0 where there are none. */
+int evaluate(instance *m);
+
+/* One number for each event and each discontinuity, which changes its sign where it happens. */
+int indicators(instance *m, double *z);
+
+/* Outputs of the present state. */
+int outputs(instance *m, double *y);
+
+/* Does what has happened since the last time; 0 where it cannot be done.  `changed` tells whether the state did. */
+int happen(instance *m, int *changed);
+
+/* The time of the next tick. */
+double next_tick(const instance *m);
+
+/* How far the state has left the constraints, in parts of what they are made of. */
+double drift(instance *m);
+
+/* Brings the state back to the constraints. */
+int project(instance *m);
+
+/* Integrates to a time, events included: Dormand and Prince's method of order 5(4). */
+int integrate(instance *m, double until);
+
+#endif

@@ -1,0 +1,89 @@
+//! `export`: a model as files for other programs, C99 or an FMU.
+
+mod description;
+mod fmu;
+mod tables;
+mod zip;
+
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+
+use clap::ArgMatches;
+use dalembert_symbolic::print::{self, CText};
+
+use self::description::Start;
+use super::load::Loaded;
+use super::set_up::set_up;
+use super::{Entry, Problem};
+use crate::{Settings, simulate};
+
+/// Tolerances of an FMU's own integration are no tighter: beyond them its method of order 5 takes too many steps.
+const TIGHTEST: f64 = 1e-10;
+/// The part of a run that is done to know its start.
+const BEGINNING: f64 = 1e-6;
+
+/// Writes what was asked for.
+pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+    let mut loaded = Loaded::find(models, options)?;
+    let program = loaded.program()?;
+    let code = print::c(&program, &loaded.name);
+    if let Some(folder) = options.get_one::<String>("c") {
+        c(&code, Path::new(folder), out)?;
+    }
+    if let Some(path) = options.get_one::<String>("fmu") {
+        if options.contains_id("input") {
+            return Err(Problem::Usage(
+                "error: --input: inputs of an FMU are set by the program that runs it".to_owned(),
+            ));
+        }
+        let start = start(&mut loaded, options)?;
+        let fmu = fmu::fmu(&program, &code, &start)?;
+        fs::write(path, fmu.bytes)?;
+        match fmu.without_library {
+            None => writeln!(out, "wrote {path}")?,
+            Some(reason) => writeln!(out, "wrote {path}, sources only: {reason}")?,
+        }
+    }
+    Ok(())
+}
+
+fn c(code: &CText, folder: &Path, out: &mut dyn Write) -> Result<(), Problem> {
+    let name = &code.prefix;
+    let files = [
+        (format!("{name}.h"), code.header.clone()),
+        (format!("{name}.c"), code.file()),
+        ("dalembert_core.h".to_owned(), print::CORE_HEADER.to_owned()),
+        ("dalembert_core.c".to_owned(), print::core_file()),
+    ];
+    fs::create_dir_all(folder)?;
+    for (file, text) in &files {
+        fs::write(folder.join(file), text)?;
+    }
+    let names: Vec<&str> = files.iter().map(|(file, _)| file.as_str()).collect();
+    writeln!(out, "wrote {} to {}", names.join(", "), folder.display())?;
+    Ok(())
+}
+
+/// Where a scene starts, on its constraints.
+fn start(loaded: &mut Loaded, options: &ArgMatches) -> Result<Start, Problem> {
+    let settings = set_up(loaded, options)?;
+    let system = &mut *loaded.system;
+    let memory = settings.memory.clone().unwrap_or_else(|| system.scene_memory(0));
+    let mut inputs = vec![0.0; 3 * system.description().inputs.len()];
+    system.inputs(settings.from, &mut inputs);
+    let beginning =
+        Settings { until: settings.from + BEGINNING * (settings.until - settings.from), ..settings.clone() };
+    let first = simulate(system, &beginning).map_err(|error| Problem::Run(error.to_string()))?.first();
+    Ok(Start {
+        token: format!("{{{:016x}}}", print::fnv1a(&loaded.source)),
+        parameters: system.parameters(),
+        q: first.q,
+        v: first.v,
+        memory,
+        inputs,
+        phase: settings.phase,
+        until: settings.until,
+        tolerance: settings.tolerance.max(TIGHTEST),
+    })
+}

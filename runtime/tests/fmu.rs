@@ -1,0 +1,183 @@
+//! `export --fmu`: FMUs are valid, move as the program's runs do, both ways, and what they cannot do is refused.  They are run where
+//! there is a Python with FMPy and a C compiler.
+#![cfg(feature = "cli")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+const MODELS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../models");
+
+/// By how much a motion may differ, in parts of the largest value of each variable.
+const TOLERANCE: f64 = 1e-6;
+
+/// What each shows: the model, its options, and where its run is compared.
+const COMPARED: [(&str, &[&str]); 13] = [
+    // Nothing but coordinates.
+    ("double_pendulum", &["--until", "2"]),
+    ("triple_pendulum", &["--until", "3"]),
+    // Inputs of time, which enter with both rates.
+    ("base_excitation", &[]),
+    ("shaken_pendulum", &[]),
+    // Constraints: closed loops, speeds, a quaternion beside them.
+    ("slider_crank", &["--until", "2"]),
+    ("chaplygin_sleigh", &[]),
+    ("rolling_disc", &["--until", "2"]),
+    // Phases with friction, an end by an event.
+    ("stick_slip", &[]),
+    ("eccentric_cylinder", &["--scene", "real"]),
+    // Impacts without end.
+    ("bouncing_ball", &[]),
+    // Held values set by events and by a clock; a state of first order.
+    ("counter", &["--until", "8"]),
+    ("sampled_robot", &[]),
+    ("thermostat", &[]),
+];
+
+/// Compares every FMU of a folder with the table beside it; prints a line for each.
+const DRIVER: &str = r#"
+import csv, glob, os, sys
+import numpy as np
+from fmpy import read_model_description, simulate_fmu
+from fmpy.validation import validate_fmu
+for path in sorted(glob.glob(os.path.join(sys.argv[1], "*.fmu"))):
+    problems = validate_fmu(path)
+    with open(path[:-4] + ".csv") as file:
+        rows = list(csv.reader(file))
+    names, ours = rows[0], np.array([[float(x) if x else np.nan for x in row] for row in rows[1:]])
+    stop = float(read_model_description(path).defaultExperiment.stopTime)
+    for kind in ("CoSimulation", "ModelExchange"):
+        more = {"relative_tolerance": 1e-10} if kind == "ModelExchange" else {}
+        theirs = simulate_fmu(path, fmi_type=kind, validate=False, stop_time=stop, output_interval=stop/100, **more)
+        worst, compared = 0.0, 0
+        for name in set(theirs.dtype.names) & set(names):
+            column = ours[:, names.index(name)]
+            scale = max(1e-3, np.nanmax(np.abs(column)))
+            for t, x in zip(ours[:, 0], column):
+                here = np.abs(theirs["time"] - t) < 1e-9*stop
+                if here.any() and np.isfinite(x):
+                    worst = max(worst, np.min(np.abs(theirs[name][here] - x))/scale)
+                    compared += 1
+        print(os.path.basename(path), kind, worst, compared, "valid" if not problems else problems)
+"#;
+
+/// What a command prints, or its error.
+fn run(arguments: &[&str]) -> Result<String, String> {
+    let mut out = Vec::new();
+    let all = [&["dalembert"], arguments].concat();
+    dalembert::cli::run(&[], all, &mut out).map_err(|problem| problem.to_string())?;
+    Ok(String::from_utf8(out).unwrap())
+}
+
+/// A Python that knows FMPy, where there is a C compiler too.
+fn python() -> Option<&'static str> {
+    let works = |program: &str, arguments: &[&str]| {
+        let tried = Command::new(program).args(arguments).stdout(Stdio::null()).stderr(Stdio::null()).status();
+        tried.is_ok_and(|status| status.success())
+    };
+    let compiles = ["cc", "gcc", "clang"].into_iter().any(|compiler| works(compiler, &["--version"]));
+    ["python3", "/usr/bin/python3"].into_iter().find(|python| compiles && works(python, &["-c", "import fmpy"]))
+}
+
+fn folder(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("dalembert-{name}-{}", std::process::id()));
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// Exports a model with its options, and writes the table of the same run.
+fn export(folder: &Path, name: &str, options: &[&str]) {
+    let model = format!("{MODELS}/{name}.yaml");
+    let path = |end: &str| folder.join(format!("{name}.{end}")).to_str().unwrap().to_owned();
+    let told = run(&[&["export", &model, "--fmu", &path("fmu")], options].concat()).unwrap();
+    assert!(told.starts_with("wrote "), "{told}");
+    let description = String::from_utf8_lossy(&fs::read(path("fmu")).unwrap()).into_owned();
+    let stop = description.split_once("stopTime=\"").and_then(|(_, rest)| rest.split_once('"')).unwrap().0;
+    let every = (stop.parse::<f64>().unwrap() / 100.0).to_string();
+    run(&[&["simulate", &model, "--csv", &path("csv"), "--every", &every, "--no-digits"], options].concat()).unwrap();
+}
+
+#[test]
+fn fmus_move_as_the_program_does() {
+    let Some(python) = python() else {
+        eprintln!("no Python with FMPy, or no C compiler: FMUs are not run");
+        return;
+    };
+    let folder = folder("fmu");
+    for (name, options) in COMPARED {
+        export(&folder, name, options);
+    }
+    let output = Command::new(python).args(["-W", "ignore", "-c", DRIVER, folder.to_str().unwrap()]).output().unwrap();
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success(), "{text}\n{}", String::from_utf8_lossy(&output.stderr));
+    let lines: Vec<Vec<&str>> = text.lines().map(|line| line.splitn(5, ' ').collect()).collect();
+    assert_eq!(lines.len(), 2 * COMPARED.len(), "{text}");
+    let right = |line: &Vec<&str>| {
+        let (worst, compared): (f64, usize) = (line[2].parse().unwrap(), line[3].parse().unwrap());
+        worst <= TOLERANCE && compared >= 100 && line[4] == "valid"
+    };
+    assert!(lines.iter().all(right), "{text}");
+    fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn an_fmu_has_its_variables_and_its_sources() {
+    let folder = folder("fmu-text");
+    let path = folder.join("motor.fmu").to_str().unwrap().to_owned();
+    run(&["export", &format!("{MODELS}/motor.yaml"), "--fmu", &path, "--set", "R=2 ohm", "--start", "i=0.5"]).unwrap();
+    let bytes = fs::read(&path).unwrap();
+    let text = String::from_utf8_lossy(&bytes);
+    for part in [
+        "<Float64 name=\"i\" valueReference=\"3\" causality=\"output\" variability=\"continuous\" initial=\"exact\" unit=\"A\" start=\"0.5\"/>",
+        "name=\"der(i)\"",
+        "derivative=\"3\"",
+        "name=\"R\" valueReference=\"9\" causality=\"parameter\" variability=\"tunable\" initial=\"exact\" unit=\"ohm\" start=\"2.0\"",
+        "<Float64 name=\"u\"",
+        "causality=\"input\" variability=\"continuous\" start=\"12.0\"",
+        "<BaseUnit kg=\"1\" m=\"2\" s=\"-3\" A=\"-2\"/>",
+        "<SourceFile name=\"fmu_functions.c\"/>",
+        "sources/dalembert_core.h",
+        "fmi3Status fmi3DoStep(",
+    ] {
+        assert!(text.contains(part), "{part}");
+    }
+    assert!(bytes.starts_with(b"PK\x03\x04") && bytes[bytes.len() - 22..].starts_with(b"PK\x05\x06"));
+    fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn what_an_fmu_cannot_do_is_refused_with_a_way_out() {
+    let (name, path) = (format!("{MODELS}/ladder.yaml"), std::env::temp_dir().join("refused.fmu"));
+    let path = path.to_str().unwrap();
+    let refused = run(&["export", &name, "--fmu", path]).unwrap_err();
+    assert!(refused.contains("`wall`") && refused.contains("export --c"), "{refused}");
+    let sharp = "name: Sharp\nparameters: {m: 1 kg, c: 2 N*s/m, h: 1 m, T: 1 s}\ncoordinates: {x: m}\n\
+                 inputs: {u: \"h*step(t - T)\"}\nbodies: {b: {mass: m, position: \"[x, 0]\"}}\n\
+                 forces: {f: {on: b, force: \"[c*(u' - x'), 0]\"}}\nscene: {until: 2}\n";
+    let folder = folder("fmu-refused");
+    let file = folder.join("sharp.yaml");
+    fs::write(&file, sharp).unwrap();
+    let refused = run(&["export", file.to_str().unwrap(), "--fmu", path]).unwrap_err();
+    assert!(refused.contains("`u` may jump") && refused.contains("smooth input"), "{refused}");
+    let motor = format!("{MODELS}/motor.yaml");
+    let refused = run(&["export", &motor, "--fmu", path, "--input", "u=1 V"]).unwrap_err();
+    assert!(refused.contains("--input"), "{refused}");
+    let refused = run(&["export", &motor]).unwrap_err();
+    assert!(refused.contains("--fmu"), "{refused}");
+    assert!(!Path::new(path).exists());
+    fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn export_writes_c_that_goes_with_its_header() {
+    let folder = folder("c-files");
+    let told = run(&["export", &format!("{MODELS}/counter.yaml"), "--c", folder.to_str().unwrap()]).unwrap();
+    assert!(told.starts_with("wrote counter.h, counter.c, dalembert_core.h, dalembert_core.c to "), "{told}");
+    let text = |file: &str| fs::read_to_string(folder.join(file)).unwrap();
+    assert!(text("counter.c").starts_with("#include \"dalembert_core.h\"\n#include \"counter.h\"\n"));
+    assert!(text("counter.h").contains(
+        "void counter_mass_matrix(const double *c, double t, const double *u, const double *q, double *out);"
+    ));
+    assert!(text("dalembert_core.c").starts_with("#include \"dalembert_core.h\"\n"));
+    fs::remove_dir_all(folder).unwrap();
+}

@@ -1,0 +1,266 @@
+//! How C99 writes straight-line functions, and names and words of a file in C.
+
+use crate::expr::{Binary, Number, Unary};
+use crate::model::local_name;
+use crate::print::dialect::{Dialect, Piece};
+
+/// Keywords, macros and functions that no name of generated code may be, beside what Rust forbids.
+pub(super) const TAKEN: &[&str] = &[
+    // Keywords of C and C++.
+    "auto",
+    "break",
+    "case",
+    "char",
+    "const",
+    "continue",
+    "default",
+    "do",
+    "double",
+    "else",
+    "enum",
+    "extern",
+    "float",
+    "for",
+    "goto",
+    "if",
+    "inline",
+    "int",
+    "long",
+    "register",
+    "restrict",
+    "return",
+    "short",
+    "signed",
+    "sizeof",
+    "static",
+    "struct",
+    "switch",
+    "typedef",
+    "union",
+    "unsigned",
+    "void",
+    "volatile",
+    "while",
+    "asm",
+    "bool",
+    "catch",
+    "class",
+    "delete",
+    "explicit",
+    "export",
+    "false",
+    "friend",
+    "mutable",
+    "namespace",
+    "new",
+    "operator",
+    "private",
+    "protected",
+    "public",
+    "template",
+    "this",
+    "throw",
+    "true",
+    "try",
+    "typename",
+    "using",
+    "virtual",
+    "wchar_t",
+    "and",
+    "or",
+    "not",
+    "xor",
+    "alignas",
+    "alignof",
+    "constexpr",
+    "nullptr",
+    "thread_local",
+    "typeof",
+    "complex",
+    "imaginary",
+    "noreturn",
+    // Macros of the headers, and of compilers.
+    "NULL",
+    "NAN",
+    "INFINITY",
+    "HUGE_VAL",
+    "I",
+    "EOF",
+    "errno",
+    "assert",
+    "offsetof",
+    "linux",
+    "unix",
+    "i386",
+    "stdin",
+    "stdout",
+    "stderr",
+    "near",
+    "far",
+    "min",
+    "max",
+    "isnan",
+    "isinf",
+    "isfinite",
+    "signbit",
+    // Arguments beside those of Rust.
+    "p",
+    "settings",
+    "memory",
+    // Functions that are called.
+    "sqrt",
+    "sin",
+    "cos",
+    "tan",
+    "asin",
+    "acos",
+    "atan",
+    "atan2",
+    "sinh",
+    "cosh",
+    "tanh",
+    "exp",
+    "log",
+    "pow",
+    "fabs",
+    "fmin",
+    "fmax",
+    "floor",
+    "memcpy",
+    "dalembert_sign",
+    "dalembert_step",
+    "dalembert_table",
+];
+
+/// C99; `prefix` is what the names of all functions begin with.
+pub(super) struct C<'a> {
+    pub prefix: &'a str,
+}
+
+impl Dialect for C<'_> {
+    fn declare(&self, names: &[&str], values: &[String]) -> String {
+        let all: Vec<String> = names.iter().zip(values).map(|(name, value)| format!("{name} = {value}")).collect();
+        format!("const double {};", all.join(", "))
+    }
+
+    fn unpack(&self, names: &[Option<&str>], array: &str) -> String {
+        let named = names.iter().enumerate().filter_map(|(k, name)| Some((k, (*name)?)));
+        let all: Vec<String> = named.map(|(k, name)| format!("{name} = {array}[{k}]")).collect();
+        format!("const double {};", all.join(", "))
+    }
+
+    fn number(&self, number: Number) -> String {
+        float(number.to_f64())
+    }
+
+    fn unary(&self, function: Unary, x: &Piece) -> String {
+        let name = match function {
+            Unary::Ln => "log",
+            Unary::Abs => "fabs",
+            Unary::Sign => "dalembert_sign",
+            Unary::Step => "dalembert_step",
+            other => other.name(),
+        };
+        format!("{name}({})", x.text)
+    }
+
+    fn binary(&self, function: Binary, x: &Piece, y: &Piece) -> String {
+        let name = match function {
+            Binary::Pow => "pow",
+            Binary::Atan2 => "atan2",
+            Binary::Min => "fmin",
+            _ => "fmax",
+        };
+        format!("{name}({}, {})", x.text, y.text)
+    }
+
+    fn table(&self, place: usize, order: u8, x: &Piece) -> String {
+        format!("{}_table_{place}({}, {order})", self.prefix, x.text)
+    }
+
+    fn turn(&self, names: &[Option<String>; 2], angle: &Piece) -> String {
+        let call = |(name, function): (&Option<String>, &str)| {
+            name.as_ref().map(|name| format!("{name} = {function}({})", angle.text))
+        };
+        let all: Vec<String> = names.iter().zip(["sin", "cos"]).filter_map(call).collect();
+        format!("const double {};", all.join(", "))
+    }
+
+    fn pivot(&self, coordinate: usize, pivot_and_diagonal: [&Piece; 2], indent: &str) -> String {
+        let [pivot, diagonal] = pivot_and_diagonal.map(|piece| &piece.text);
+        let place = coordinate + 1;
+        format!("{indent}if (!(fabs({pivot}) > 4.0 * DBL_EPSILON * fabs({diagonal}))) return {place};")
+    }
+}
+
+/// A float with all its digits and a decimal point, in parentheses where it is negative.
+pub fn float(x: f64) -> String {
+    let digits = match format!("{:?}", x.abs()) {
+        text if x.is_nan() || text.contains('.') => text,
+        text => match text.split_once('e') {
+            Some((number, exponent)) => format!("{number}.0e{exponent}"),
+            None => text,
+        },
+    };
+    let digits = match digits.as_str() {
+        "NaN" => "NAN".to_owned(),
+        "inf" => "HUGE_VAL".to_owned(),
+        _ => digits,
+    };
+    if x.is_sign_negative() && !x.is_nan() { format!("(-{digits})") } else { digits }
+}
+
+/// A name of the file inside functions.
+pub(super) fn identifier(name: &str) -> String {
+    local_name(name).trim_start_matches("r#").to_owned()
+}
+
+/// Words of the file inside a comment, which they neither end nor open.
+pub(super) fn comment(words: &str) -> String {
+    let mut line = crate::print::words::visible(words);
+    // What is left of a replaced pair may make another one: `//**` is `/ / * *`.
+    for (pair, apart) in [("*/", "* /"), ("/*", "/ *"), ("??", "? ?")] {
+        while line.contains(pair) {
+            line = line.replace(pair, apart);
+        }
+    }
+    line.trim_end_matches([' ', '\\']).to_owned()
+}
+
+/// A string literal, of any bytes.
+pub(super) fn string(words: &str) -> String {
+    let byte = |byte: u8| match byte {
+        b'"' | b'\\' | b'?' => format!("\\{}", char::from(byte)),
+        b' '..=b'~' => char::from(byte).to_string(),
+        _ => format!("\\{byte:03o}"),
+    };
+    format!("\"{}\"", words.bytes().map(byte).collect::<String>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_doubles_of_c() {
+        for (x, text) in [
+            (1.0, "1.0"),
+            (-0.5, "(-0.5)"),
+            (1e-7, "1.0e-7"),
+            (1.5e300, "1.5e300"),
+            (-0.0, "(-0.0)"),
+            (f64::INFINITY, "HUGE_VAL"),
+            (f64::NAN, "NAN"),
+            (0.1 + 0.2, "0.30000000000000004"),
+        ] {
+            assert_eq!(float(x), text);
+        }
+    }
+
+    #[test]
+    fn words_end_neither_comments_nor_strings() {
+        assert_eq!(comment("a */ b /* c ??/ \\"), "a * / b / * c ? ?/");
+        assert_eq!(comment("/*/ **//"), "/ * / ** //");
+        assert_eq!(string("a\"b\\ ??= θ\n"), "\"a\\\"b\\\\ \\?\\?= \\316\\270\\012\"");
+    }
+}
