@@ -37,7 +37,8 @@ pub use impulse::Impulse;
 pub(crate) use locator::{EventLocator, Fired, Interruption, Switched};
 pub(crate) use modes::OwnedSegment;
 #[cfg(feature = "interpret")]
-pub(crate) use modes::{mode as switch_mode, text as switch_text};
+pub(crate) use modes::mode as switch_mode;
+pub(crate) use modes::text as switch_text;
 pub(crate) use root::{Around, locate};
 pub(crate) use scan::Crossing;
 pub(crate) use sides::begin_at;
