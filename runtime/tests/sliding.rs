@@ -85,6 +85,29 @@ fn two_blocks_stick_and_slip_on_each_other() {
     assert_eq!(found["warnings"], serde_json::json!([]));
 }
 
+/// How two frictions share what holds a block is not determined; how it moves is.
+#[test]
+fn two_frictions_on_one_block_are_one() {
+    for (x, k, limits) in
+        [(-0.428, 45.1, ["2.55*N", "1.9*N*(1.2 + sin(w*t/2))"]), (-0.121, 24.9, ["1.48*N*(1.2 + sin(w*t/2))", "1.8*N"])]
+    {
+        let head = format!(
+            "parameters: {{m: 1.2 kg, w: 7.5 rad/s, F: 3 N, k: {k} N/m, N: 1 N}}\ncoordinates: {{x: m}}\n\
+             bodies: {{b: {{mass: m, position: \"[x, 0]\"}}}}\nsprings: {{s: {{stretch: x, stiffness: k}}}}"
+        );
+        let pull = "pull: {on: b, force: \"[F*sin(w*t), 0]\"}";
+        let [one, two] = limits;
+        let sign = format!("forces: {{{pull}, rub: {{on: b, force: \"[-({one} + {two})*sign(x'), 0]\"}}}}");
+        let friction = format!(
+            "forces: {{{pull}}}\nfriction:\n  one: {{on: b, along: \"[1, 0]\", rate: x', limit: \"{one}\"}}\n  \
+             two: {{on: b, along: \"[1, 0]\", rate: x', limit: \"{two}\"}}"
+        );
+        let tail = format!("scene: {{start: {{x: {x}}}, until: 6, tolerance: 1e-10}}");
+        let found = both("shared", &head, &sign, &friction, &tail);
+        agree(&found, &["x"], 1e-9);
+    }
+}
+
 #[test]
 fn friction_made_of_a_reaction_sticks() {
     let head = "parameters: {m: 1 kg, g: 9.81 m/s^2, mu: 0.3, F: 6 N, G: 3 N, w: 2 rad/s}\ncoordinates: {x: m, y: m}\n\

@@ -96,6 +96,10 @@ impl Sampler {
             let moment = Moment { t, y, scales: &[], step };
             return if approaches(system, &moment, contact) { -1.0 } else { 1.0 };
         }
+        // What slides was decided to go where its mode says.
+        if let Some(side) = slides(system, event) {
+            return side;
+        }
         if hit && self.rated[event] == Rated::Whole && (self.rates[event] * step).abs() > STILL * largest {
             // What was struck leaves as its rate says, however low it hops.
             return self.rates[event].signum();
@@ -432,6 +436,14 @@ impl Sampler {
             }
         }
     }
+}
+
+/// Where a contact slides whose rate of sliding is an event's function.
+fn slides<S: System + ?Sized>(system: &S, event: usize) -> Option<f64> {
+    let [Action::Contact(contact)] = system.description().events[event].actions[..] else { return None };
+    let contact = contact as usize;
+    let stops = system.contacts().all[contact].happened(event) == Some(ContactEvent::Stops);
+    stops.then(|| system.contacts().modes(system.phase())[contact].sliding()).filter(|side| *side != 0.0)
 }
 
 /// The contact whose gap is an event's function.

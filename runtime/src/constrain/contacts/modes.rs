@@ -16,6 +16,9 @@ const NOTHING: f64 = 1e-10;
 /// Accelerations that differ by less than this part of the largest are the same motion.
 const ALIKE: f64 = 1e-8;
 
+/// So many parts of a step ahead combinations are told apart in which all moves alike.
+const AHEAD: [f64; 3] = [1e-4, 1e-2, 1.0];
+
 /// Why modes are chosen.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Change<'a> {
@@ -35,6 +38,7 @@ pub(crate) enum Change<'a> {
 }
 
 /// What is tried under one combination.
+#[derive(Clone)]
 struct Trial {
     modes: Vec<ContactMode>,
     /// Of each contact what must not be negative, with the size beside which it is judged.
@@ -109,7 +113,10 @@ pub(crate) fn settle(system: &mut dyn System, moment: &Moment<'_>, change: Chang
         [] => None,
         [first, rest @ ..] => {
             let present = first.modes == situation.modes && forced.is_none();
-            (present || rest.iter().all(|other| alike(first, other))).then_some(*first)
+            let one_motion = present || rest.iter().all(|other| alike(first, other));
+            let mut same = vec![*first];
+            same.extend(rest.iter().copied().filter(|other| alike(first, other)));
+            one_motion.then(|| lasting(system, moment, (&known, &compliance), &same))
         }
     };
     let Some(chosen) = chosen else {
@@ -119,6 +126,34 @@ pub(crate) fn settle(system: &mut dyn System, moment: &Moment<'_>, change: Chang
     let phase = system.contacts().phase(&chosen.modes);
     system.set_phase(phase);
     Ok(phase)
+}
+
+/// Of several combinations in which all moves alike the one that agrees with the forces a moment later, too: how contacts share what holds them
+/// together is not determined, but some shares end at once.  The first where no moment tells.
+fn lasting<'a>(
+    system: &mut dyn System,
+    &Moment { t, y, step, .. }: &Moment<'_>,
+    (known, compliance): (&[Known], &[f64]),
+    alike: &[&'a Trial],
+) -> &'a Trial {
+    let n = system.len();
+    for ahead in AHEAD.map(|part| part * step).into_iter().filter(|ahead| alike.len() > 1 && *ahead > 0.0) {
+        let a = &alike[0].accelerations;
+        let place = |i: usize| y[i] + ahead * (y[n + i] + 0.5 * ahead * a[i]);
+        let later: Vec<f64> = (0..n).map(place).chain((0..n).map(|i| y[n + i] + ahead * a[i])).collect();
+        let mut tried_later =
+            |trial: &&Trial| tried(system, (t + ahead, &later), (known, compliance), trial.modes.clone());
+        let trials: Vec<Option<Trial>> = alike.iter().map(&mut tried_later).collect();
+        let all: Vec<Trial> = trials.iter().flatten().cloned().collect();
+        let agrees = |trial: &Option<Trial>| trial.as_ref().is_some_and(|trial| agrees(trial, &all, None));
+        let agree: Vec<bool> = trials.iter().map(agrees).collect();
+        if let Some(first) = agree.iter().position(|agrees| *agrees)
+            && agree.contains(&false)
+        {
+            return alike[first];
+        }
+    }
+    alike[0]
 }
 
 /// What is known of a contact at an instant.

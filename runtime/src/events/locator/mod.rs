@@ -464,10 +464,10 @@ impl EventLocator {
     }
 
     /// What is zero of an event's function that is at its zero in the state that was evaluated last: it stays about the value there, by
-    /// its rounding.
+    /// its rounding and what it changes by in no time.
     fn surface_of<S: System + ?Sized>(&mut self, system: &S, event: usize, (t, y): (f64, &[f64])) -> f64 {
         let value = self.sampler.value(event).abs();
-        let zero = value + self.sampler.rounding_at(system, event, (t, y));
+        let zero = value + self.sampler.zero_at_start(system, event, (t, y), self.step);
         if zero.is_nan() { 0.0 } else { zero }
     }
 
