@@ -63,6 +63,8 @@ const MOST_PIECES: f64 = 1e5;
 const STEEP_IN_PART: f64 = 4.0;
 /// Pieces are not halved more often: beyond that the time cannot tell their ends apart.
 const DEEPEST: u32 = 52;
+/// By what part of themselves places and speeds are moved to see what the rounding of dense output makes of an argument.
+const ROUNDINGS: f64 = 64.0 * f64::EPSILON;
 
 impl Arguments {
     /// Makes room.
@@ -194,8 +196,12 @@ impl Arguments {
             Role::Exponential | Role::Bounded | Role::Arctangent => FINE,
             _ => f64::INFINITY,
         };
-        certifier.resolution = course.resolution();
-        let outcome = certifier.certify(&mut |x| self.sample(system, course, index, x), &grid);
+        let mut sample = |x| self.sample(system, course, index, x);
+        let mut certified = certifier.settles(&mut sample, &grid);
+        if !certified {
+            (certifier.rounding, certifier.resolution) = (self.rounding(system, course, index), course.resolution());
+            certified = certifier.certify(&mut |x| self.sample(system, course, index, x), &grid).is_ok();
+        }
         self.path.clear();
         self.path.extend(certifier.points().iter().map(|point| (point.x, point.value)));
         for mark in &certifier.marks {
@@ -206,7 +212,27 @@ impl Arguments {
         self.path.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         self.certifier = certifier;
         self.grid = grid;
-        outcome.is_ok()
+        certified
+    }
+
+    /// By how much an argument may change by the rounding of the states at both ends of a course, the larger of both.
+    fn rounding<S: System + ?Sized>(&mut self, system: &S, course: &Course<'_>, index: usize) -> f64 {
+        [0.0, 1.0].map(|theta| self.rounding_at(system, course, index, theta)).into_iter().fold(0.0, f64::max)
+    }
+
+    fn rounding_at<S: System + ?Sized>(&mut self, system: &S, course: &Course<'_>, index: usize, theta: f64) -> f64 {
+        self.evaluate(system, course, theta);
+        let (t, mut y, here) = (course.time(theta), self.y.clone(), self.pairs[2 * index]);
+        let mut sum = 0.0;
+        for i in 0..y.len() {
+            let exact = y[i];
+            for moved in [exact * (1.0 - ROUNDINGS), exact * (1.0 + ROUNDINGS)] {
+                y[i] = moved;
+                sum += (self.at_state(system, (t, &y), index).0 - here).abs();
+            }
+            y[i] = exact;
+        }
+        if f64::is_finite(sum) { sum } else { 0.0 }
     }
 
     /// These places from 0 to 1, and more where any of the phases turns by more than [`PHASE`] between two of them.

@@ -80,8 +80,10 @@ pub(crate) struct Certifier {
     pub extrema: bool,
     /// Near zero the function is wanted to this; infinite where its own variation says how closely.
     pub fine: f64,
-    /// Whether as many samples may be taken as there are pieces to begin with, times this many and more.
+    /// Whether more samples may be taken for each piece that there is to begin with.
     pub patient: bool,
+    /// So many samples may be taken, and some for each piece.
+    most: u64,
 }
 
 /// A piece of a function.
@@ -100,7 +102,7 @@ const NOISE: f64 = 4.0 * f64::EPSILON;
 /// Radians by which the argument of a sine or cosine may change within a first piece.
 pub(crate) const PHASE: f64 = 2.0;
 /// Samples of one function within one step.
-pub(crate) const MOST_SAMPLES: u64 = 100_000;
+const MOST_SAMPLES: u64 = 100_000;
 
 /// Deviation from the cubic that is allowed, in parts of the observed variation.
 const CONSISTENT: f64 = 0.05;
@@ -117,6 +119,8 @@ const FLAT: u32 = 4;
 const POLE: f64 = 1e8;
 /// Room for the points of an ordinary search.
 const ROOM: usize = 256;
+/// So many samples beyond four a piece are taken before it is asked whether a function is rounding: no function of a library model needs more.
+const FIRST_LOOK: u64 = 256;
 /// Pieces are not halved more often.
 const DEEPEST: u32 = 50;
 
@@ -133,11 +137,22 @@ impl Default for Certifier {
             extrema: false,
             fine: f64::INFINITY,
             patient: false,
+            most: MOST_SAMPLES,
         }
     }
 }
 
 impl Certifier {
+    /// Whether few samples certify a function as if it had no rounding, and show neither jumps nor poles: else it is certified again with the rounding
+    /// that it has. What constraints keep at zero is rounding all along, which no division makes smooth; within a very
+    /// short step rounding looks like a jump.
+    pub fn settles(&mut self, f: &mut impl FnMut(f64) -> (f64, f64), grid: &[Sample]) -> bool {
+        (self.rounding, self.resolution, self.most) = (0.0, 0.0, FIRST_LOOK);
+        let settled = self.certify(f, grid).is_ok();
+        self.most = MOST_SAMPLES;
+        settled && !self.marks.iter().any(|mark| matches!(mark.kind, ZeroKind::Jumps | ZeroKind::Pole))
+    }
+
     /// Finds what a function does between the first and the last of these samples of it.
     ///
     /// # Errors
@@ -149,8 +164,8 @@ impl Certifier {
         self.points.clear();
         self.points.reserve(ROOM);
         self.points.push(*first);
-        let pieces = if self.patient { 20 * grid.len() as u64 } else { 0 };
-        let limit = self.samples + MOST_SAMPLES + pieces;
+        let pieces = if self.patient { 20 } else { 4 } * grid.len() as u64;
+        let limit = self.samples + self.most + pieces;
         self.stack.clear();
         let value = |k: usize| grid.get(k).map_or(0.0, |sample| larger(0.0, sample.value));
         let size = |k: usize| tamed(value(k), value(k + 1).max(if k > 0 { value(k - 1) } else { 0.0 }));

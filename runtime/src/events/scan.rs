@@ -154,13 +154,14 @@ impl Scanner {
         Ok(())
     }
 
-    /// Takes note of which events count in the phase in force.
-    pub fn activate<S: System + ?Sized>(&mut self, system: &S) {
+    /// Takes note of which events count in the phase in force: not those that `never` happen there.
+    pub fn activate<S: System + ?Sized>(&mut self, system: &S, never: &[usize]) {
         let phase = system.phase() as u32;
         let events = system.description().events.iter().zip(&self.ignored);
         for (asleep, (event, ignored)) in self.asleep.iter_mut().zip(events) {
             *asleep = *ignored || event.phases.as_ref().is_some_and(|phases| !phases.contains(&phase));
         }
+        never.iter().for_each(|event| self.asleep[*event] = true);
     }
 
     /// Never looks at an event.
@@ -271,15 +272,12 @@ impl Scanner {
             }
             sampler.sample(system, segment, function, theta)
         };
-        (certifier.rounding, certifier.resolution) = (0.0, 0.0);
-        let mut outcome = certifier.certify(&mut sample, &grid);
-        // Within a very short step the rounding of the state, or of the time, looks like a jump or an oscillation.
-        if outcome.is_err() || certifier.marks.iter().any(|mark| matches!(mark.kind, ZeroKind::Jumps | ZeroKind::Pole))
-        {
+        let mut certified = certifier.settles(&mut sample, &grid);
+        if !certified {
             certifier.rounding = sampler.rounding(system, segment, function);
             certifier.resolution = f64::EPSILON * segment.t.abs() / segment.h;
             let mut sample = |theta: f64| sampler.sample(system, segment, function, theta);
-            outcome = certifier.certify(&mut sample, &grid);
+            certified = certifier.certify(&mut sample, &grid).is_ok();
         }
         let marks = self.crossings.len() + self.anomalies.len();
         self.collect((function, is_switch), &certifier, segment, floor);
@@ -290,8 +288,10 @@ impl Scanner {
         }
         self.certifier = certifier;
         self.grid = grid;
-        let function = || watched_name(system, sampler, function);
-        outcome.map_err(|_| Cause::OscillatesTooFast { function: function() }.into())
+        match certified {
+            true => Ok(()),
+            false => Err(Cause::OscillatesTooFast { function: watched_name(system, sampler, function) }.into()),
+        }
     }
 
     /// Takes over what the certifier marked, from where the function first is beyond `floor`: before, it is zero to
