@@ -5,7 +5,7 @@ use super::sample::Sampler;
 use crate::cause::Cause;
 use crate::integrate::Segment;
 use crate::mechanism::sliding::{SLIDES, fractions};
-use crate::mechanism::{SwitchKind, System};
+use crate::mechanism::{At, SwitchKind, System};
 
 /// A step that is taken only to see where it leads, under the modes in force.
 pub(crate) type Trial<'a, S> = &'a mut dyn FnMut(&S) -> Option<OwnedSegment>;
@@ -53,6 +53,10 @@ const STANDS: f64 = 1e-12;
 const NEXT_TO_NOTHING: f64 = 1e-6;
 /// Accelerations that differ by up to so many times what the rounding of the state makes of them are the same.
 const EXPLAINED: f64 = 8.0;
+/// How often each switch may change between its surface and its sides until all agree.
+const TURNS: usize = 4;
+/// So much later, in steps, what slides is seen to go on or to leave.
+const MOMENT: f64 = 1e-4;
 /// Combinations of sides that are tried.
 const MOST_COMBINATIONS: usize = 64;
 
@@ -121,7 +125,18 @@ pub(crate) fn choose<S: System + ?Sized>(
         .collect();
     let mut undecided = undecided(system, &combinations, &by_rates);
     let mut found = agreed(system, &combinations, &by_rates);
+    // The combination in which fewest arguments are moved against their sides; those are pushed back to their surface.
+    let list = combinations.iter().zip(&by_rates);
+    let opposed: Vec<Vec<usize>> = list.map(|(one, to)| against(system, one, to, &by_rates)).collect();
+    let (best, pushed) = opposed.into_iter().enumerate().min_by_key(|(_, list)| list.len()).unwrap_or_default();
+    let rates = Rates { of: &by_rates, leaving: &leaving };
     if found.is_none() {
+        // Signs of one rate cannot all slide: one of them holds it. That is seen where they begin to slide one after another.
+        for sliding in [&pushed, &[][..]] {
+            if slide(system, sampler, (t, y), (&combinations[best], sliding), &rates) {
+                return Ok(Chosen { on: combinations[best].on.clone(), undecided: None });
+            }
+        }
         // Rates that are next to nothing beside what a step does, as those of a drag that hardly moves, do not count.
         let by_trial: Vec<Vec<f64>> =
             combinations.iter().map(|one| directions(system, sampler, (t, y), (one, Looks::Always), trial)).collect();
@@ -129,6 +144,16 @@ pub(crate) fn choose<S: System + ?Sized>(
         undecided = self::undecided(system, &combinations, &by_trial);
     }
     if let Some((mut one, to)) = found {
+        // What another one has held so far is held by those that are left as long as they can.
+        let stands = |k: usize| one.on[k] && to[k].abs() <= STANDS * scale(&by_rates, k);
+        let held: Vec<usize> = (0..count).filter(|k| stands(*k) && !rates.leaves(*k)).collect();
+        if !leaving.is_empty()
+            && !held.is_empty()
+            && slide(system, sampler, (t, y), (&one, &held), &rates)
+            && goes_on(system, (t, y), known.step)
+        {
+            return Ok(Chosen { on: one.on, undecided: None });
+        }
         for switch in (0..count).filter(|k| one.on[*k] && to[*k] == 0.0) {
             one.modes[switch] = match leaving.iter().find(|(other, _)| *other == switch) {
                 Some((_, to)) => mode(system, switch, *to),
@@ -138,15 +163,6 @@ pub(crate) fn choose<S: System + ?Sized>(
         system.set_modes(&one.modes);
         return Ok(Chosen { on: one.on, undecided });
     }
-    if let Some(on) = slide(system, sampler, (t, y), &combinations, &by_rates) {
-        return Ok(Chosen { on, undecided: None });
-    }
-    // The combinations in which fewest arguments are moved against their sides; those are pushed back to their surface.
-    let list = combinations.iter().zip(&by_rates);
-    let opposed: Vec<Vec<usize>> = list.map(|(one, to)| against(system, one, to, &by_rates)).collect();
-    let fewest = opposed.iter().map(Vec::len).min().unwrap_or(0);
-    let best = opposed.iter().position(|list| list.len() == fewest).unwrap_or(0);
-    let pushed = opposed[best].clone();
     if pushed.iter().all(|k| rested[*k] && is_sign(system, *k)) {
         let mut rest = combinations[best].clone();
         for switch in &pushed {
@@ -173,43 +189,68 @@ fn leaving<S: System + ?Sized>(system: &S, (t, y): (f64, &[f64]), known: &Known<
     leaving
 }
 
-/// Lets as few switches as possible slide in their surfaces, between the forces of their sides, while all others on their surfaces are moved to
-/// the sides that a combination says; `None` where that is impossible.
+/// Lets switches slide in their surfaces, between their sides, while all others on their surfaces are moved to theirs; false where none does.
+///
+/// From a combination in which some slide: the one that would have to be furthest beyond its sides leaves to one of them,
+/// and the one that is moved most against its side slides, in turn (principal pivoting; Cottle, Pang and Stone, The Linear
+/// Complementarity Problem, 1992, §4.2).
 fn slide<S: System + ?Sized>(
     system: &mut S,
     sampler: &mut Sampler,
     (t, y): (f64, &[f64]),
-    combinations: &[Combination],
-    by_rates: &[Vec<f64>],
-) -> Option<Vec<bool>> {
+    (from, sliding): (&Combination, &[usize]),
+    rates: &Rates<'_>,
+) -> bool {
     if !system.can_slide() {
-        return None;
+        return false;
     }
-    let on = &combinations.first()?.on;
-    let places: Vec<usize> = (0..on.len()).filter(|k| on[*k]).collect();
-    let mut sets: Vec<Vec<usize>> = (1_usize..1 << places.len())
-        .map(|set| (0..places.len()).filter(|k| set >> k & 1 == 1).map(|k| places[k]).collect())
-        .collect();
-    sets.sort_by_key(Vec::len);
-    for set in sets {
-        for one in combinations.iter().filter(|one| one.on == *on) {
-            let mut modes = one.modes.clone();
-            set.iter().for_each(|switch| modes[*switch] = SLIDES);
-            system.set_modes(&modes);
-            let between =
-                fractions(system, t, y).is_some_and(|w| w.iter().all(|w| (-STANDS..=1.0 + STANDS).contains(w)));
-            if !between {
-                continue;
-            }
-            sampler.at_state(system, t, y);
-            let goes =
-                |k: &usize| side_of(system, *k, one.modes[*k]) * sampler.rate(*k) > -STANDS * scale(by_rates, *k);
-            if places.iter().filter(|k| !set.contains(k)).all(goes) {
-                return Some(on.clone());
-            }
+    let places: Vec<usize> = (0..from.on.len()).filter(|k| from.on[*k]).collect();
+    let mut modes = from.modes.clone();
+    sliding.iter().for_each(|switch| modes[*switch] = SLIDES);
+    rates.leaving.iter().for_each(|(switch, side)| modes[*switch] = mode(system, *switch, *side));
+    for _ in 0..TURNS * places.len() {
+        system.set_modes(&modes);
+        let Some(w) = fractions(system, t, y) else { return false };
+        let beyond =
+            system.sliding().iter().copied().zip(w).map(|(switch, w)| (switch, (w - 0.5).abs() - 0.5, w > 0.5));
+        if let Some((switch, _, above)) = beyond.filter(|(_, by, _)| *by > STANDS).max_by(|a, b| a.1.total_cmp(&b.1)) {
+            modes[switch] = mode(system, switch, if above { 1.0 } else { -1.0 });
+            continue;
+        }
+        sampler.at_state(system, t, y);
+        let back = |k: usize| -side_of(system, k, modes[k]) * sampler.rate(k) / scale(rates.of, k);
+        let against = places.iter().filter(|k| !modes[**k].is_nan()).map(|k| (*k, back(*k)));
+        match against.filter(|(_, back)| *back > STANDS).max_by(|a, b| a.1.total_cmp(&b.1)) {
+            Some((switch, _)) => modes[switch] = SLIDES,
+            None => return true,
         }
     }
-    None
+    false
+}
+
+/// Whether what slides still slides between its sides a moment later.
+fn goes_on<S: System + ?Sized>(system: &S, (t, y): (f64, &[f64]), step: f64) -> bool {
+    let (n, moment) = (system.len(), MOMENT * step);
+    let mut rates = [&y[n..], &vec![0.0; n]].concat();
+    if system.accelerations(At::packed(t, y, n), &mut rates[n..]).is_err() {
+        return false;
+    }
+    let later: Vec<f64> = y.iter().zip(&rates).map(|(y, rate)| y + moment * rate).collect();
+    fractions(system, t + moment, &later).is_some_and(|w| w.iter().all(|w| (-STANDS..=1.0 + STANDS).contains(w)))
+}
+
+/// Where switches on their surface go.
+struct Rates<'a> {
+    /// By combination and switch.
+    of: &'a [Vec<f64>],
+    /// Those that leave, and to which side.
+    leaving: &'a [(usize, f64)],
+}
+
+impl Rates<'_> {
+    fn leaves(&self, switch: usize) -> bool {
+        self.leaving.iter().any(|(leaving, _)| *leaving == switch)
+    }
 }
 
 /// Sides of the switches that are on their surface.
