@@ -17,7 +17,9 @@ mod start;
 mod start_conditions;
 
 pub(crate) use branch::{Elsewhere, other_branch};
-pub(crate) use contacts::{Change, Kinematics, Moment, Strike, approaches, kinematics, lasting_rows, settle, strike};
+pub(crate) use contacts::{
+    Change, Kinematics, Moment, Strike, approaches, kinematics, lasting_rows, never_stopping, settle, strike,
+};
 pub(crate) use impact::{VelocityJump, possible_restitution, possible_restitutions, velocity_jump};
 pub(crate) use projection::Projection;
 pub use projection::Residuals;

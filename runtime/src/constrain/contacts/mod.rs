@@ -13,7 +13,7 @@ use nalgebra::DMatrix;
 
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{constraint_matrix, constraint_triples, sizes_alike};
-use crate::mechanism::{At, ContactMode, System};
+use crate::mechanism::{At, ContactEvent, ContactMode, System};
 
 /// A gap below this part of the sum of its terms, or of what the sizes of coordinates make of it, is closed: instants at which contacts
 /// close are located to some 1e-13 of them.
@@ -65,6 +65,20 @@ pub(crate) fn kinematics<S: System + ?Sized>(system: &S, at: At<'_>) -> Vec<Kine
 pub(crate) fn approaches<S: System + ?Sized>(system: &S, moment: &Moment<'_>, contact: usize) -> bool {
     let situation = Situation::new(system, moment);
     situation.kinematics[contact].gap_rate < 0.0 && !situation.still[contact][0]
+}
+
+/// The events by which contacts stop sliding that cannot happen: the constraints in force keep those contacts from moving, so that their rates are
+/// rounding.
+pub(crate) fn never_stopping<S: System + ?Sized>(system: &S, moment: &Moment<'_>) -> Vec<usize> {
+    let contacts = &system.contacts().all;
+    let modes = system.contacts().modes(system.phase());
+    let slides = |k: &usize| modes[*k].sliding() != 0.0;
+    if system.active_rows().is_empty() || !(0..contacts.len()).any(|k| slides(&k)) {
+        return Vec::new();
+    }
+    let held = Situation::new(system, moment).held;
+    let stopped = (0..contacts.len()).filter(slides).filter(|k| held[*k]);
+    stopped.filter_map(|k| contacts[k].event(ContactEvent::Stops)).collect()
 }
 
 /// The active rows of constraints that no contact brings.
@@ -129,11 +143,11 @@ impl Situation {
             })
         };
         let active: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+        let basis = matrix.select_rows(&active).transpose();
         // J_t = Σ c_k J_k, and what of the rate no speed makes is zero in this sum, too.
         let held = |row: Option<u32>| {
             let row = row? as usize;
             let own = matrix.row(row).transpose();
-            let basis = constraint_matrix(system, at, &active).transpose();
             let parts = solve_least(&basis, &DMatrix::from_column_slice(n, 1, own.as_slice()))?;
             let missed = (&own - &basis * &parts).amax();
             let rest = active.iter().zip(&parts).fold(driven(row), |rest, (k, part)| rest - part * driven(*k));

@@ -14,6 +14,7 @@ use super::sides;
 use super::stops::Stops;
 use super::{EventNote, Log, Remarkable};
 use crate::cause::Cause;
+use crate::constrain::{Moment, never_stopping};
 use crate::integrate::{Endpoint, Segment};
 use crate::mechanism::sliding::fractions;
 use crate::mechanism::{Action, Direction, System, Trigger};
@@ -148,7 +149,7 @@ impl EventLocator {
         self.beyond = sides.into_iter().map(|side| side.filter(|side| *side != 0.0)).collect();
         self.choose(system, (t, y), None, trial)?;
         self.forget_surfaces();
-        self.scanner.activate(system);
+        self.scanner.activate(system, &never_stopping(system, &Moment { t, y, scales: &[], step: self.step }));
         self.scanner.fresh.fill(true);
         self.scanner.restart();
         self.monitors.forget();
@@ -432,7 +433,7 @@ impl EventLocator {
     ) -> Result<(), Box<Cause>> {
         self.forget_surfaces();
         self.choose(system, (t, y), None, trial)?;
-        self.scanner.activate(system);
+        self.scanner.activate(system, &never_stopping(system, &Moment { t, y, scales: &[], step: self.step }));
         for function in 0..self.sampler.events() {
             // One that slept until now has no size yet but what it gains in a step.
             let seen = self.scanner.largest(function);
