@@ -286,7 +286,10 @@ fn drawn(
     let phases_without: Vec<usize> = (0..phases).filter(|phase| few(&found.all, *phase)).collect();
     found.all.extend(nearly.into_iter().filter(|state| phases_without.contains(&state.phase)).take(wanted));
     motion.constraints.regular(&mut found.all);
-    let empty = |phase: &usize| !found.all.iter().any(|state| state.phase == *phase);
+    // Contacts that would have to move in two ways at once never stick together: no motion passes such a phase.
+    let of_contacts =
+        |phase: usize| motion.constraints.active(phase).iter().any(|row| model.contact_rows().contains(row));
+    let empty = |phase: &usize| !of_contacts(*phase) && !found.all.iter().any(|state| state.phase == *phase);
     if let Some(phase) = (0..phases).find(empty).filter(|phase| !motion.constraints.active(*phase).is_empty())
         && singular.is_none()
     {
