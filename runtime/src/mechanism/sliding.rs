@@ -81,14 +81,13 @@ impl Sides {
         if count == 0 {
             return Some(Vec::new());
         }
-        let effect = |i: usize, k: usize| self.above[k].rates[i] - self.below.rates[i];
-        let matrix = DMatrix::from_fn(count, count, effect);
-        let sizes = (0..count).flat_map(|i| self.above.iter().map(move |side| (i, side)));
-        let largest = sizes.map(|(i, side)| side.rates[i].abs().max(self.below.rates[i].abs())).fold(0.0, f64::max);
-        let factors = matrix.full_piv_lu();
-        let pivots = factors.u().diagonal();
-        let moves = pivots.iter().all(|pivot| pivot.abs() > NOTHING * largest);
-        let x = if moves { factors.solve(&DVector::from_fn(count, |i, _| right(i))) } else { None }?;
+        let factors = DMatrix::from_fn(count, count, |i, k| self.above[k].rates[i] - self.below.rates[i]).full_piv_lu();
+        let rates = self.above.iter().chain([&self.below]).flat_map(|side| &side.rates);
+        let largest = rates.fold(0.0_f64, |most, rate| most.max(rate.abs()));
+        if factors.u().diagonal().iter().any(|pivot| pivot.abs() <= NOTHING * largest || pivot.is_nan()) {
+            return None;
+        }
+        let x = factors.solve(&DVector::from_fn(count, |i, _| right(i)))?;
         x.iter().all(|x| x.is_finite()).then(|| x.iter().copied().collect())
     }
 
@@ -106,48 +105,7 @@ impl Sides {
             out.iter_mut().zip(lists).for_each(|(out, (above, below))| *out += w * (above - below));
         }
     }
-}
 
-/// The accelerations and multipliers of a system that slides; NaN where no side moves an argument at once.
-pub(super) fn accelerations_and_multipliers<S: System + ?Sized>(
-    system: &S,
-    at: At<'_>,
-    a: &mut [f64],
-    lambda: &mut [f64],
-) -> Result<(), Singular> {
-    let sides = Sides::new(system, at)?;
-    let w = sides.fractions();
-    sides.mix(w.as_deref(), |side| &side.a, a);
-    sides.mix(w.as_deref(), |side| &side.lambda, lambda);
-    if w.is_some() {
-        sides.keep(system, at, a);
-    }
-    Ok(())
-}
-
-/// Of each switch that slides how far its mode is above its lower side, 0 to 1 where both sides push back; `None` where it is not determined.
-pub(crate) fn fractions<S: System + ?Sized>(system: &S, t: f64, y: &[f64]) -> Option<Vec<f64>> {
-    Sides::new(system, At::packed(t, y, system.len())).ok()?.fractions()
-}
-
-/// The system without sliding, its modes those that keep the arguments at a state.
-pub(super) fn resolved<S: System + ?Sized>(system: &S, at: At<'_>) -> Box<dyn System> {
-    let mut free = system.boxed_clone();
-    if let Some(w) = Sides::new(system, at).ok().and_then(|sides| sides.fractions()) {
-        free.set_modes(&modes(system, &w));
-    }
-    free
-}
-
-/// Brings the speeds of [q; q'] back to the surfaces, along what the modes do to them; true where they moved.
-pub(crate) fn return_to_surfaces<S: System + ?Sized>(system: &S, t: f64, y: &mut [f64]) -> bool {
-    let n = system.len();
-    let Ok(sides) = Sides::new(system, At::packed(t, y, n)) else { return false };
-    let arguments = sides.arguments(system, At::packed(t, y, n));
-    arguments.iter().any(|argument| *argument != 0.0) && sides.shift(&mut y[n..], |i| -arguments[i])
-}
-
-impl Sides {
     /// Takes from accelerations what rounding makes of the arguments' rates; what surfaces and constraints determine altogether comes from these
     /// alone, free of the rounding of forces.
     fn keep<S: System + ?Sized>(&self, system: &S, at: At<'_>, a: &mut [f64]) {
@@ -214,6 +172,45 @@ impl Sides {
     }
 }
 
+/// The accelerations and multipliers of a system that slides; NaN where no side moves an argument at once.
+pub(super) fn accelerations_and_multipliers<S: System + ?Sized>(
+    system: &S,
+    at: At<'_>,
+    a: &mut [f64],
+    lambda: &mut [f64],
+) -> Result<(), Singular> {
+    let sides = Sides::new(system, at)?;
+    let w = sides.fractions();
+    sides.mix(w.as_deref(), |side| &side.a, a);
+    sides.mix(w.as_deref(), |side| &side.lambda, lambda);
+    if w.is_some() {
+        sides.keep(system, at, a);
+    }
+    Ok(())
+}
+
+/// Of each switch that slides how far its mode is above its lower side, 0 to 1 where both sides push back; `None` where it is not determined.
+pub(crate) fn fractions<S: System + ?Sized>(system: &S, t: f64, y: &[f64]) -> Option<Vec<f64>> {
+    Sides::new(system, At::packed(t, y, system.len())).ok()?.fractions()
+}
+
+/// The system without sliding, its modes those that keep the arguments at a state.
+pub(super) fn resolved<S: System + ?Sized>(system: &S, at: At<'_>) -> Box<dyn System> {
+    let mut free = system.boxed_clone();
+    if let Some(w) = Sides::new(system, at).ok().and_then(|sides| sides.fractions()) {
+        free.set_modes(&modes(system, &w));
+    }
+    free
+}
+
+/// Brings the speeds of [q; q'] back to the surfaces, along what the modes do to them; true where they moved.
+pub(crate) fn return_to_surfaces<S: System + ?Sized>(system: &S, t: f64, y: &mut [f64]) -> bool {
+    let n = system.len();
+    let Ok(sides) = Sides::new(system, At::packed(t, y, n)) else { return false };
+    let arguments = sides.arguments(system, At::packed(t, y, n));
+    arguments.iter().any(|argument| *argument != 0.0) && sides.shift(&mut y[n..], |i| -arguments[i])
+}
+
 /// The outputs of a system that slides: as its accelerations a mixture of those on the sides, a few roundings beside the surfaces.
 pub(super) fn outputs<S: System + ?Sized>(system: &S, at: At<'_>, values: &mut [f64]) {
     let Ok(sides) = Sides::new(system, at) else { return values.fill(f64::NAN) };
@@ -223,6 +220,7 @@ pub(super) fn outputs<S: System + ?Sized>(system: &S, at: At<'_>, values: &mut [
     let (mut a, mut lambda) = (vec![0.0; system.len()], vec![0.0; system.description().rows.len()]);
     sides.mix(Some(&w), |side| &side.a, &mut a);
     sides.mix(Some(&w), |side| &side.lambda, &mut lambda);
+    sides.keep(system, at, &mut a);
     let (here, rounding) = (sides.arguments(system, at), sides.rounding(system, at));
     let beyond = |i: usize| 2.0 * here[i].abs() + rounding[i] + f64::MIN_POSITIVE / f64::EPSILON;
     let beside = |above: Option<usize>| -> Vec<f64> {

@@ -15,8 +15,7 @@ use crate::mechanism::{At, ContactEvent, ContactMode, System};
 const NOTHING: f64 = 1e-10;
 /// Accelerations that differ by less than this part of the largest are the same motion.
 const ALIKE: f64 = 1e-8;
-
-/// So many parts of a step ahead combinations are told apart in which all moves alike.
+/// So far ahead, in steps, combinations are told apart in which all moves alike: no further than shows a difference.
 const AHEAD: [f64; 3] = [1e-4, 1e-2, 1.0];
 
 /// Why modes are chosen.
@@ -137,18 +136,20 @@ fn lasting<'a>(
     alike: &[&'a Trial],
 ) -> &'a Trial {
     let n = system.len();
-    for ahead in AHEAD.map(|part| part * step).into_iter().filter(|ahead| alike.len() > 1 && *ahead > 0.0) {
+    if alike.len() == 1 || step == 0.0 {
+        return alike[0];
+    }
+    for ahead in AHEAD.map(|part| part * step) {
         let a = &alike[0].accelerations;
         let place = |i: usize| y[i] + ahead * (y[n + i] + 0.5 * ahead * a[i]);
         let later: Vec<f64> = (0..n).map(place).chain((0..n).map(|i| y[n + i] + ahead * a[i])).collect();
-        let mut tried_later =
-            |trial: &&Trial| tried(system, (t + ahead, &later), (known, compliance), trial.modes.clone());
-        let trials: Vec<Option<Trial>> = alike.iter().map(&mut tried_later).collect();
+        let again = |trial: &&Trial| tried(system, (t + ahead, &later), (known, compliance), trial.modes.clone());
+        let trials: Vec<Option<Trial>> = alike.iter().map(again).collect();
         let all: Vec<Trial> = trials.iter().flatten().cloned().collect();
-        let agrees = |trial: &Option<Trial>| trial.as_ref().is_some_and(|trial| agrees(trial, &all, None));
-        let agree: Vec<bool> = trials.iter().map(agrees).collect();
-        if let Some(first) = agree.iter().position(|agrees| *agrees)
-            && agree.contains(&false)
+        let lasts = |trial: &Option<Trial>| trial.as_ref().is_some_and(|trial| agrees(trial, &all, None));
+        let last: Vec<bool> = trials.iter().map(lasts).collect();
+        if let Some(first) = last.iter().position(|lasts| *lasts)
+            && last.contains(&false)
         {
             return alike[first];
         }
