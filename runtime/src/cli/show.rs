@@ -17,11 +17,12 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     let loaded = Loaded::find(models, options)?;
     let mut text = Vec::new();
     print_form(&loaded, options, &mut text)?;
-    let form = ["rust", "latex", "python", "json"].into_iter().find(|form| options.get_flag(form));
+    let form = ["rust", "latex", "python", "c", "json"].into_iter().find(|form| options.get_flag(form));
     let endings: &[&str] = match form {
         Some("rust") => &["rs"],
         Some("latex") => &["tex"],
         Some("python") => &["py"],
+        Some("c") => &["c"],
         Some("json") => &["json"],
         _ => &["txt", "md"],
     };

@@ -15,7 +15,7 @@ use dalembert_symbolic::print::{self, CText};
 use self::description::Start;
 use super::load::Loaded;
 use super::set_up::set_up;
-use super::{Entry, Problem};
+use super::{Entry, Problem, outputs};
 use crate::{Settings, simulate};
 
 /// Tolerances of an FMU's own integration are no tighter: beyond them its method of order 5 takes too many steps.
@@ -37,6 +37,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
                 "error: --input: inputs of an FMU are set by the program that runs it".to_owned(),
             ));
         }
+        outputs::ends_in(path, &["fmu"])?;
         let start = start(&mut loaded, options)?;
         let fmu = fmu::fmu(&program, &code, &start)?;
         fs::write(path, fmu.bytes)?;

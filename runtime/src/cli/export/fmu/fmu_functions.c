@@ -47,7 +47,8 @@ static fmi3Status failure(const fmu *f, const char *message) {
 }
 
 static fmi3Status done(const fmu *f, int good) {
-    return good ? fmi3OK : failure(f, "no accelerations: the inertia of a coordinate vanishes, friction leaves no reaction, or a number is not finite");
+    return good ? fmi3OK : failure(f, "no accelerations: the inertia of a coordinate vanishes, friction leaves no reaction, a number is not "
+                                     "finite, or both sides of a discontinuity push back to it, as of sign(v) where friction sticks");
 }
 
 EXPORT const char *fmi3GetVersion(void) {
