@@ -131,12 +131,6 @@ pub(crate) fn choose<S: System + ?Sized>(
     let (best, pushed) = opposed.into_iter().enumerate().min_by_key(|(_, list)| list.len()).unwrap_or_default();
     let rates = Rates { of: &by_rates, leaving: &leaving };
     if found.is_none() {
-        // Signs of one rate cannot all slide: one of them holds it. That is seen where they begin to slide one after another.
-        for sliding in [&pushed, &[][..]] {
-            if slide(system, sampler, (t, y), (&combinations[best], sliding), &rates) {
-                return Ok(Chosen { on: combinations[best].on.clone(), undecided: None });
-            }
-        }
         // Rates that are next to nothing beside what a step does, as those of a drag that hardly moves, do not count.
         let by_trial: Vec<Vec<f64>> =
             combinations.iter().map(|one| directions(system, sampler, (t, y), (one, Looks::Always), trial)).collect();
@@ -162,6 +156,12 @@ pub(crate) fn choose<S: System + ?Sized>(
         }
         system.set_modes(&one.modes);
         return Ok(Chosen { on: one.on, undecided });
+    }
+    // Signs of one rate cannot all slide: one of them holds it. That is seen where they begin to slide one after another.
+    for sliding in [&pushed, &[][..]] {
+        if slide(system, sampler, (t, y), (&combinations[best], sliding), &rates) {
+            return Ok(Chosen { on: combinations[best].on.clone(), undecided: None });
+        }
     }
     if pushed.iter().all(|k| rested[*k] && is_sign(system, *k)) {
         let mut rest = combinations[best].clone();

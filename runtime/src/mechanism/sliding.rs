@@ -194,12 +194,11 @@ pub(crate) fn fractions<S: System + ?Sized>(system: &S, t: f64, y: &[f64]) -> Op
     Sides::new(system, At::packed(t, y, system.len())).ok()?.fractions()
 }
 
-/// The system without sliding, its modes those that keep the arguments at a state.
+/// The system without sliding, its modes those that keep the arguments at a state; half way between the sides where that is not determined.
 pub(super) fn resolved<S: System + ?Sized>(system: &S, at: At<'_>) -> Box<dyn System> {
     let mut free = system.boxed_clone();
-    if let Some(w) = Sides::new(system, at).ok().and_then(|sides| sides.fractions()) {
-        free.set_modes(&modes(system, &w));
-    }
+    let w = Sides::new(system, at).ok().and_then(|sides| sides.fractions());
+    free.set_modes(&modes(system, &w.unwrap_or_else(|| vec![0.5; system.sliding().len()])));
     free
 }
 
