@@ -4,6 +4,7 @@ pub mod both;
 pub mod case;
 pub mod digits;
 pub mod euler;
+pub mod random_contacts;
 pub mod random_runs;
 pub mod reference;
 pub mod told;
