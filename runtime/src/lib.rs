@@ -99,7 +99,7 @@ pub use constrain::Residuals;
 pub use dalembert_macros::model;
 pub use error::{Error, Inseparable, NoOrbit, NoSlopes, Nonlinear, NotFound};
 pub use mechanism::{Enforcement, Method, ParseMethodError, Stabilisation};
-pub use run::{Digits, Failure, Impulse, Occurrence, Run, RunPart, State, Symmetry, Trust, Work};
+pub use run::{ContactHistory, Digits, Failure, Impulse, Occurrence, Run, RunPart, State, Symmetry, Trust, Work};
 pub use simulate::{Settings, Simulate, Simulation, StateMut, Stepping, simulate, simulate_with};
 pub use trust::{Loss, Warning};
 pub use vary::{Slope, Slopes};

@@ -452,3 +452,38 @@ fn a_wrong_place_or_direction_does_not_compile() {
         assert!(refused.contains("balances"), "{refused}");
     }
 }
+
+/// Pulled by F t a block sticks until F t = L; one that is dropped loses 1 − e² of its energy at each impact.
+#[test]
+fn reports_tell_what_contacts_did() {
+    let block = File::new(
+        "pulled",
+        "name: Pulled\nparameters: {m: 1 kg, F: 2 N/s, L: 4 N}\ncoordinates: {x: m}\n\
+         bodies: {b: {mass: m, position: \"[x, 0]\"}}\nforces: {pull: {on: b, force: \"[F*t, 0]\"}}\n\
+         friction: {rub: {rate: x', on: b, along: \"[1, 0]\", limit: L}}\nscene: {start: {x: 0}, until: 3}\n",
+    );
+    let rub = &json(&["simulate", &block.0])["contacts"]["rub"];
+    near(&rub["sticks"], 2.0, 1e-9);
+    near(&rub["slips forwards"], 1.0, 1e-9);
+    near(&rub["held"], 1.0, 1e-9);
+    assert_eq!(rub.as_object().expect("modes").len(), 3);
+    let earlier = &json(&["simulate", &block.0, "--until", "1.5"])["contacts"]["rub"];
+    assert_eq!(earlier["sticks"], 1.5);
+    near(&earlier["held"], 0.75, 1e-12);
+    let text = run(&["simulate", &block.0]).expect("a report");
+    assert!(
+        text.contains("  rub sticks for 2 s and holds up to 1.00 of its limit, slips forwards for 1 s\n"),
+        "{text}"
+    );
+
+    let ball = File::new(
+        "dropped",
+        "name: Dropped\nparameters: {m: 2 kg, g: 9.81 m/s^2, e: 0.5}\ncoordinates: {y: m}\n\
+         bodies: {ball: {mass: m, position: \"[0, y]\"}}\ngravity: [0, -g]\n\
+         contacts: {floor: {gap: y, on: ball, normal: \"[0, 1]\", restitution: e}}\nscene: {start: {y: 1}, until: 0.8}\n",
+    );
+    let found = json(&["simulate", &ball.0]);
+    near(&found["impulses"][0]["energy"], -0.75 * 2.0 * 9.81, 1e-7);
+    assert_eq!(found["contacts"]["floor"]["open"], 0.8);
+    assert_eq!(found["contacts"]["floor"]["held"], Value::Null);
+}

@@ -17,12 +17,12 @@ use super::load::Loaded;
 use super::plotted::Shown;
 use super::set_up::{set_up, set_up_scene};
 use super::{Entry, Problem, compare, drawn, enforcement, outputs, slopes, symmetries, value_files};
-use crate::mechanism::{self, Action, Description, Enforcement, Stabilisation, Target};
+use crate::mechanism::{self, Action, ContactMode, Description, Enforcement, Stabilisation, Target};
 use crate::numbers::short;
 use crate::run::{RunPart, Work};
 use crate::show::Animation;
 use crate::simulate::{LAGRANGE, estimate_global_error};
-use crate::{Error, Impulse, Run, Settings, Slopes};
+use crate::{ContactHistory, Error, Impulse, Run, Settings, Slopes};
 
 /// Runs, writes files that were asked for, and prints the outcome; a run that failed is written and printed too.
 pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
@@ -255,7 +255,11 @@ fn report(
     let hit = run.impulses.iter().filter(|impulse| !impulse.constraints.is_empty()).take(MOST_EVENTS);
     for impulse in hit {
         let rows: Vec<String> = impulse.constraints.iter().map(|(name, p)| format!("{name} {}", short(*p))).collect();
-        writeln!(out, "  impulse at t = {}: {}", short(impulse.t), rows.join(", "))?;
+        let (t, energy) = (short(impulse.t), short(impulse.energy));
+        writeln!(out, "  impulse at t = {t}: {}; kinetic energy {energy} J", rows.join(", "))?;
+    }
+    for contact in run.contacts() {
+        writeln!(out, "  {}", history(&contact))?;
     }
     write!(out, "{}", run.trust())?;
     for line in what_sets(run) {
@@ -292,6 +296,26 @@ fn report(
     }
     writeln!(out)?;
     Ok(())
+}
+
+/// `rub sticks for 2 s and holds up to 0.75 of its limit, slips forwards for 1 s`.
+fn history(contact: &ContactHistory) -> String {
+    let one = |(mode, span): &(ContactMode, f64)| {
+        let held = contact.held.filter(|_| *mode == ContactMode::Sticks);
+        let held = held.map_or_else(String::new, |part| format!(" and holds up to {part:.2} of its limit"));
+        format!("{mode} for {} s{held}", short(*span))
+    };
+    format!("{} {}", contact.name, contact.modes.iter().map(one).collect::<Vec<_>>().join(", "))
+}
+
+/// Modes with their durations, s, and `held`, the largest part of its limit that held each where it stuck.
+fn contacts(run: &Run) -> Value {
+    let one = |contact: ContactHistory| {
+        let modes = contact.modes.iter().map(|(mode, span)| (mode.to_string(), number(*span)));
+        let held = contact.held.map_or(Value::Null, number);
+        (contact.name.clone(), object(modes.chain([("held".to_owned(), held)])))
+    };
+    object(run.contacts().into_iter().map(one))
 }
 
 /// What each event sets, and how many ticks it had: `tick sets u and n, at 401 ticks`.
@@ -359,6 +383,7 @@ fn as_json(loaded: &Loaded, settings: &Settings, run: &Run) -> Value {
                 .into(),
         ),
         ("impulses", impulses(description, run)),
+        ("contacts", contacts(run)),
         ("work", work(&run.work)),
         ("digits", digits(run)),
         ("digits_until", run.digits_until().map_or(Value::Null, number)),
@@ -421,6 +446,7 @@ fn impulses(description: &Description, run: &Run) -> Value {
             ("inputs", json!(impulse.inputs)),
             ("constraints", object(rows)),
             ("v", object(jumps)),
+            ("energy", number(impulse.energy)),
         ])
     };
     run.impulses.iter().map(one).collect::<Vec<_>>().into()

@@ -4,7 +4,7 @@ use super::set::Assigned;
 use super::{Integration, StopReason};
 use crate::cause::Cause;
 use crate::constrain::{VelocityJump, lasting_rows, possible_restitution, velocity_jump};
-use crate::events::{EventLocator, Fired, Impulse};
+use crate::events::{EventLocator, Fired, Impulse, gained};
 use crate::mechanism::{Action, At, Enforcement, System};
 use crate::run::{Recorder, SpeedJump};
 
@@ -427,6 +427,7 @@ impl Integration {
         recorder: &mut Recorder,
     ) -> bool {
         let n = system.len();
+        let energy = gained(system, (self.clock.now(), self.stepper.state_mut()), &jump);
         let speeds = &mut self.stepper.state_mut()[n..];
         let size = speeds.iter().zip(&jump).fold(0.0_f64, |most, (v, jump)| most.max(v.abs()).max(jump.abs()));
         speeds.iter_mut().zip(&jump).for_each(|(v, jump)| *v += jump);
@@ -436,7 +437,7 @@ impl Integration {
         }
         let constraints: Vec<(String, f64)> =
             rows.iter().map(|(row, impulse)| (system.description().rows[*row].name.to_string(), *impulse)).collect();
-        recorder.impulse(Impulse { t: self.clock.now(), inputs: Vec::new(), constraints, jump });
+        recorder.impulse(Impulse { t: self.clock.now(), inputs: Vec::new(), constraints, jump, energy });
         true
     }
 }

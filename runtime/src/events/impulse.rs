@@ -21,6 +21,8 @@ pub struct Impulse {
     pub constraints: Vec<(String, f64)>,
     /// By how much each rate q' jumped, SI.
     pub jump: Vec<f64>,
+    /// By how much the kinetic energy jumped, J: what impacts take is negative.
+    pub energy: f64,
 }
 
 /// A change this small against the values is rounding, or of the place of the stop.
@@ -83,7 +85,15 @@ pub(crate) fn impulse<S: System + ?Sized>(
         return Ok(None);
     }
     let jump = moved(system, at, &push)?;
-    Ok(Some(Impulse { t, inputs, constraints: Vec::new(), jump }))
+    let energy = gained(system, (t, y), &jump);
+    Ok(Some(Impulse { t, inputs, constraints: Vec::new(), jump, energy }))
+}
+
+/// By how much a jump of the speeds changes the kinetic energy of a state, J.
+pub(crate) fn gained<S: System + ?Sized>(system: &S, (t, y): (f64, &[f64]), jump: &[f64]) -> f64 {
+    let (q, v) = y.split_at(jump.len());
+    let after: Vec<f64> = v.iter().zip(jump).map(|(v, jump)| v + jump).collect();
+    system.energy(At::new(t, q, &after)).kinetic - system.energy(At::new(t, q, v)).kinetic
 }
 
 /// M⁻¹ p.
@@ -156,5 +166,6 @@ pub(crate) fn turn<S: System + ?Sized>(
         return Ok(None);
     }
     let jump = moved(system, At::packed(t, y, system.len()), &push)?;
-    Ok(Some(Impulse { t, inputs: Vec::new(), constraints: Vec::new(), jump }))
+    let energy = gained(system, (t, y), &jump);
+    Ok(Some(Impulse { t, inputs: Vec::new(), constraints: Vec::new(), jump, energy }))
 }

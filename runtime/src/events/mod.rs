@@ -34,6 +34,7 @@ mod ticks;
 #[cfg(feature = "ensemble")]
 pub(crate) use features::{excludes_feature, ratio as calm_ratio};
 pub use impulse::Impulse;
+pub(crate) use impulse::gained;
 pub(crate) use locator::{EventLocator, Fired, Interruption, Switched};
 pub(crate) use modes::OwnedSegment;
 #[cfg(feature = "interpret")]

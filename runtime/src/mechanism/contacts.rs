@@ -1,5 +1,7 @@
 //! Friction that may stick and contacts that may open: what a mechanism says of them, and which phase belongs to what they do.
 
+use std::fmt;
+
 use super::{List, Text};
 
 /// All contacts of a mechanism.  Its phases are the combinations of their modes, the last contact's changing fastest.
@@ -98,6 +100,19 @@ impl ContactMode {
             ContactMode::SlipsBackwards => -1.0,
             ContactMode::Open | ContactMode::Closed | ContactMode::Sticks => 0.0,
         }
+    }
+}
+
+/// In words after a contact's name, as in the names of phases.
+impl fmt::Display for ContactMode {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            ContactMode::Open => "open",
+            ContactMode::Closed => "closed",
+            ContactMode::Sticks => "sticks",
+            ContactMode::SlipsForwards => "slips forwards",
+            ContactMode::SlipsBackwards => "slips backwards",
+        })
     }
 }
 

@@ -1,5 +1,6 @@
 //! What a run returns.
 
+mod contacts;
 mod continuous;
 mod deviation;
 mod digits;
@@ -23,6 +24,7 @@ use std::sync::Arc;
 
 use crate::constrain::Residuals;
 
+pub use contacts::ContactHistory;
 pub(crate) use continuous::Continuous;
 pub(crate) use deviation::apart_by;
 pub use digits::Digits;
