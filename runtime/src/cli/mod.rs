@@ -44,6 +44,7 @@ mod stability_maps;
 mod sweep;
 mod symmetries;
 mod value_files;
+mod zip;
 
 use std::process::ExitCode;
 

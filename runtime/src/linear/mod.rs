@@ -55,8 +55,8 @@ pub use equilibrium::{
 #[cfg(feature = "modal")]
 pub use equilibrium::{SampledLoop, StateSpace, linearise_sampled, linearise_states};
 pub use forced::{
-    Drive, Harmonic, Measured, Motion, Observed, Response, Source, Steady, beat, bode, measure, observe, solvemode,
-    solvenorm, solvenum,
+    Drive, Harmonic, InputOutput, Measured, Motion, NamedDrive, Observed, Response, Source, Steady, Unreached, beat,
+    bode, measure, observe, solvemode, solvenorm, solvenum,
 };
 pub use matrices::{LinearMechanism, SparseMatrix, expm};
 #[cfg(feature = "modal")]

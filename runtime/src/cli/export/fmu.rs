@@ -8,8 +8,9 @@ use dalembert_symbolic::lower::{InputJump, Program};
 use dalembert_symbolic::print::{self, CText};
 
 use super::super::Problem;
+use super::super::zip;
 use super::description::{Start, description};
-use super::{tables, zip};
+use super::tables;
 
 /// The C that all FMUs share.
 const SHARED: [(&str, &str); 4] = [

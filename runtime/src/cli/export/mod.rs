@@ -3,7 +3,6 @@
 mod description;
 mod fmu;
 mod tables;
-mod zip;
 
 use std::fs;
 use std::io::Write;

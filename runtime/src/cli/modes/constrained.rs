@@ -19,7 +19,7 @@ use super::motion::Compared;
 use super::steady::Speeds;
 #[cfg(feature = "modal")]
 use super::tangent;
-use super::{bodies, failed, integrals, notes, pictures, report, varying};
+use super::{bodies, failed, integrals, notes, pictures, report, state_space, varying};
 use crate::linear::{Guess, LinearError, linearise_constrained, short};
 #[cfg(feature = "modal")]
 use crate::linear::{linearise_driven, linearise_tangent, turns_as_a_whole};
@@ -28,7 +28,7 @@ use crate::mechanism::{At, Row};
 
 /// Options that ask what a drive does.
 #[cfg(feature = "modal")]
-const DRIVES: [&str; 5] = ["drive", "omega", "bode", "response", "range"];
+const DRIVES: [&str; 6] = ["drive", "omega", "bode", "response", "range", "state-space"];
 
 /// The reaction of a row that is in force.
 pub struct Reaction {
@@ -112,6 +112,7 @@ pub fn run(
         eprintln!("warning: {note}");
     }
     pictures(loaded, options, &found.linear, &modes, out)?;
+    state_space::of_model(loaded, options, reader, model, out)?;
     if options.get_flag("json") {
         let reactions =
             names.iter().zip(&found.multipliers).map(|(row, value)| (row.row.clone(), json::number(*value)));
@@ -176,6 +177,7 @@ fn by_departures(
     };
     let model = at.as_ref().map(Model::Held);
     let driven = model.map_or(Ok(None), |model| Driven::new(loaded, options, reader, model))?;
+    model.map_or(Ok(()), |model| state_space::of_model(loaded, options, reader, model, out))?;
     let untried = integrals::notes(system, &found.equilibrium, locus.as_ref());
     let more = driven.iter().flat_map(Driven::notes).chain(locus.iter().flat_map(Locus::notes));
     for note in untried.into_iter().chain(more) {

@@ -13,6 +13,7 @@ mod report;
 #[cfg(feature = "modal")]
 mod sampled;
 mod shaken;
+mod state_space;
 #[cfg(feature = "modal")]
 mod states;
 mod steady;
@@ -51,6 +52,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     let mut drawn = PICTURES.iter().filter_map(|name| options.get_one::<String>(name));
     drawn.try_for_each(|path| outputs::drawable(path))?;
     options.get_one::<String>("animate").map_or(Ok(()), |path| outputs::playable(path))?;
+    options.get_one::<String>("state-space").map_or(Ok(()), |path| outputs::ends_in(path, &state_space::ENDINGS))?;
     options.get_one::<String>("matrices").map_or(Ok(()), |path| outputs::ends_in(path, &["mtx", "csv"]))?;
     let mut loaded = Loaded::find(models, options)?;
     super::drawn::check(&loaded, options)?;
@@ -84,7 +86,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         return sampled(&loaded, options, guess, out);
     }
     if loaded.system.description().has_states() {
-        return with_states(&loaded, options, &guess, out);
+        return with_states(&loaded, options, &mut reader, &guess, out);
     }
     if has_dependent_coordinates(&*loaded.system) {
         return constrained::run(&loaded, options, &mut reader, (scene, &speeds), &guess, out);
@@ -107,6 +109,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         eprintln!("warning: {note}");
     }
     pictures(&loaded, options, &linear, &modes, out)?;
+    state_space::of_model(&loaded, options, &mut reader, Model::Free(&linear), out)?;
     if options.get_flag("json") {
         let mut more: Vec<_> = damping.iter().map(Damping::as_json).collect();
         more.extend(motion.iter().map(Compared::as_json));
@@ -159,12 +162,18 @@ fn sampled(_: &Loaded, _: &ArgMatches, _: Guess, _: &mut dyn Write) -> Result<()
 }
 
 #[cfg(feature = "modal")]
-fn with_states(loaded: &Loaded, options: &ArgMatches, guess: &Guess, out: &mut dyn Write) -> Result<(), Problem> {
-    states::run(loaded, options, guess, out)
+fn with_states(
+    loaded: &Loaded,
+    options: &ArgMatches,
+    reader: &mut Reader,
+    guess: &Guess,
+    out: &mut dyn Write,
+) -> Result<(), Problem> {
+    states::run(loaded, options, reader, guess, out)
 }
 
 #[cfg(not(feature = "modal"))]
-fn with_states(_: &Loaded, _: &ArgMatches, _: &Guess, _: &mut dyn Write) -> Result<(), Problem> {
+fn with_states(_: &Loaded, _: &ArgMatches, _: &mut Reader, _: &Guess, _: &mut dyn Write) -> Result<(), Problem> {
     Err(failed(LinearError::NeedsFeature { feature: "modal" }))
 }
 

@@ -19,7 +19,7 @@ use crate::mechanism::{System, Text};
 /// Finds the rest of the loop and its map, and prints the eigenvalues.
 pub fn run(loaded: &Loaded, options: &ArgMatches, guess: Guess, out: &mut dyn Write) -> Result<(), Problem> {
     let given = |option: &&str| options.value_source(option) == Some(ValueSource::CommandLine);
-    if let Some(option) = OF_MODES.into_iter().chain(["steady", "here"]).find(given) {
+    if let Some(option) = OF_MODES.into_iter().chain(["steady", "here", "state-space"]).find(given) {
         return Err(Problem::Usage(format!(
             "error: --{option} is for small motions that are not sampled: leave it out, or leave out --sampled for the open loop"
         )));

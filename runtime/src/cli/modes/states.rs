@@ -10,9 +10,10 @@ use serde_json::{Value, json};
 
 use super::super::json::{number, object};
 use super::super::load::Loaded;
+use super::super::set_up::Reader;
 use super::super::{Problem, json};
 use super::tangent::{told, verdict};
-use super::{MOST_PRINTED, failed};
+use super::{MOST_PRINTED, failed, state_space};
 use crate::linear::{Guess, StateSpace, linearise_states, short, short_beside};
 
 /// What has modes of M, C and K only.
@@ -22,7 +23,13 @@ pub(super) const OF_MODES: [&str; 14] = [
 ];
 
 /// Linearises at rest, and prints A with its eigenvalues.
-pub fn run(loaded: &Loaded, options: &ArgMatches, guess: &Guess, out: &mut dyn Write) -> Result<(), Problem> {
+pub fn run(
+    loaded: &Loaded,
+    options: &ArgMatches,
+    reader: &mut Reader,
+    guess: &Guess,
+    out: &mut dyn Write,
+) -> Result<(), Problem> {
     let given = |option: &&&str| options.value_source(option) == Some(ValueSource::CommandLine);
     if let Some(option) = OF_MODES.iter().find(given) {
         return Err(Problem::Usage(format!(
@@ -39,6 +46,7 @@ pub fn run(loaded: &Loaded, options: &ArgMatches, guess: &Guess, out: &mut dyn W
         ));
     }
     let found = linearise_states(system, guess, options.get_flag("here")).map_err(failed)?;
+    state_space::of_states(loaded, options, reader, &found, out)?;
     if options.get_flag("json") {
         return Ok(json::write(&as_json(&loaded.name, &found), out)?);
     }

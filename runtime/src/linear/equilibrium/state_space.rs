@@ -7,16 +7,18 @@
 //!
 //! A state is kept as the speed of a hidden coordinate, whose row and column are left out: no zero of A comes from it.
 
+use std::ops::AddAssign;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::Guess;
 use super::least_steps::{BALANCED, Rest};
 use super::point::LinearisationPoint;
-use crate::linear::{FirstOrder, LinearError, Residual, first_order_modes};
-use crate::mechanism::{Coordinate, System, rate_name};
-
-/// Sweeps of balancing A by powers of 2.
-const SWEEPS: usize = 30;
+use crate::linear::forced::{rated, slopes_of};
+use crate::linear::matrices::balanced;
+use crate::linear::{FirstOrder, InputOutput, LinearError, Residual, first_order_modes};
+use crate::mechanism::{Coordinate, HIDDEN, System, rate_name};
+use crate::show::unit;
 
 /// A rest, or a steady motion, of a mechanism with states of first order, and its small departures x' = A x + B u.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,14 +35,18 @@ pub struct StateSpace {
     pub variables: Vec<String>,
     /// A, 1/s where rows and columns are in the units of `variables`.
     pub matrix: DMatrix<f64>,
-    /// The names of u.
+    /// The names of u: inputs, and after each those of its rates that act.
     pub inputs: Vec<String>,
-    /// B, a column for each input's value.
+    /// B, a column for each of these.
     pub input: DMatrix<f64>,
     /// Eigenvalues and shapes of A; these are in units of their own, see [`StateSpace::shapes`].
     pub analysis: FirstOrder,
     /// The unit of each variable in the analysis, a power of 2.
     scales: Vec<f64>,
+    /// The places of `inputs` among (u, u', u'') of all inputs.
+    acting: Vec<usize>,
+    /// The rest itself.
+    guess: Guess,
 }
 
 /// Finds the rest (or, with speeds in the guess, the steady motion) nearest to a guess of coordinates and states, or takes the guess itself
@@ -65,6 +71,55 @@ pub fn linearise_states<S: System + ?Sized>(system: &S, guess: &Guess, here: boo
 }
 
 impl StateSpace {
+    /// x' = A x + B u and y = C x + D u of these inputs, by their places and with their units, and of answers by name: coordinates, rates,
+    /// states, outputs.
+    ///
+    /// # Errors
+    /// As [`observe`](crate::linear::observe).
+    pub fn input_output<S: System + ?Sized>(
+        &self,
+        system: &S,
+        inputs: &[(usize, String)],
+        answers: &[&str],
+    ) -> Result<InputOutput, LinearError> {
+        let description = system.description();
+        let (n, all) = (description.mechanical(), description.coordinates.len());
+        let probe = LinearisationPoint::new(system, &self.guess);
+        // A state is the rate of its hidden coordinate.
+        let name = |answer: &&str| match description.coordinates.iter().find(|c| c.state() == Some(*answer)) {
+            Some(hidden) => format!("{}'", hidden.name),
+            None => (*answer).to_owned(),
+        };
+        let names: Vec<String> = answers.iter().map(name).collect();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let rows = vec![0.0; description.rows.len()];
+        let (seen, _) = slopes_of(description, &probe, &self.guess.q, &rows, &names)?;
+        let chosen = inputs.iter().flat_map(|(place, unit)| {
+            let own = self.acting.iter().enumerate().filter(move |(_, k)| *k / 3 == *place);
+            own.map(move |(column, k)| (column, *k, unit))
+        });
+        let chosen: Vec<(usize, usize, &String)> = chosen.collect();
+        let b = self.input.select_columns(&chosen.iter().map(|(column, ..)| *column).collect::<Vec<_>>());
+        let direct = seen.input.select_columns(&chosen.iter().map(|(_, k, _)| *k).collect::<Vec<_>>());
+        // Rows of A from n on are those of all accelerations, hidden ones among them.
+        let mut c = &seen.acceleration * self.matrix.rows(n, all);
+        c.columns_mut(0, n).add_assign(&seen.place.columns(0, n));
+        c.columns_mut(n, all).add_assign(&seen.rate);
+        let d = direct + &seen.acceleration * b.rows(n, all);
+        let input = |(column, k, unit): &(usize, usize, &String)| {
+            [self.inputs[*column].clone(), rated("", unit, k % 3)[1].clone()]
+        };
+        Ok(InputOutput {
+            states: self.variables.iter().map(|name| [name.clone(), unit(description, name)]).collect(),
+            inputs: chosen.iter().map(input).collect(),
+            outputs: seen.named().into_iter().map(|[name, unit]| [shown(&name), unit]).collect(),
+            a: self.matrix.clone(),
+            b,
+            c,
+            d,
+        })
+    }
+
     /// The shapes of the eigenvalues that are not 0, in the order of `variables`, the largest component of each 1.
     pub fn shapes(&self) -> Vec<Vec<nalgebra::Complex<f64>>> {
         let whole = |shape: &nalgebra::DVector<nalgebra::Complex<f64>>| {
@@ -79,8 +134,15 @@ impl StateSpace {
     }
 }
 
+/// The name of a state for that of its hidden coordinate's rate.
+fn shown(name: &str) -> String {
+    name.strip_suffix('\'').filter(|name| name.starts_with(HIDDEN)).map_or_else(|| name.to_owned(), rate_name)
+}
+
 struct Search {
     base: LinearisationPoint,
+    /// What inputs are held at.
+    held: Vec<f64>,
     coordinates: Vec<Coordinate>,
     /// How many coordinates are not hidden.
     n: usize,
@@ -92,7 +154,13 @@ impl Search {
         let description = system.description();
         let (n, mut q) = (description.mechanical(), guess.q.clone());
         q.iter_mut().skip(n).for_each(|hidden| *hidden = 0.0);
-        Search { base: LinearisationPoint::new(system, guess), coordinates: description.coordinates.to_vec(), n, q }
+        Search {
+            base: LinearisationPoint::new(system, guess),
+            held: guess.inputs.clone(),
+            coordinates: description.coordinates.to_vec(),
+            n,
+            q,
+        }
     }
 
     /// The state, and what is left there, by name.
@@ -130,9 +198,14 @@ impl Search {
             return Err(LinearError::NotSmooth { switch });
         }
         let input = self.base.input(&self.q).to_dense();
-        let values = (0..input.ncols()).step_by(3).map(|k| input.column(k).into_owned()).collect::<Vec<_>>();
-        let (matrix, drive) = first_order(&self.base, &self.q, &values)?;
+        // Rates of inputs are inputs of their own where they act.
+        let acts = |k: &usize| k % 3 == 0 || input.column(*k).iter().any(|x| *x != 0.0);
+        let acting: Vec<usize> = (0..input.ncols()).filter(acts).collect();
+        let forces: Vec<DVector<f64>> = acting.iter().map(|k| input.column(*k).into_owned()).collect();
+        let (matrix, drive) = first_order(&self.base, &self.q, &forces)?;
         let (balanced, scales) = balanced(&matrix);
+        let known: Vec<String> =
+            self.base.system.borrow().description().inputs.iter().map(ToString::to_string).collect();
         let names = self.coordinates[..n].iter().map(|c| c.name.to_string());
         let moving = self.coordinates[..n].iter().zip(&self.base.v).filter(|(_, v)| **v != 0.0);
         Ok(StateSpace {
@@ -143,7 +216,9 @@ impl Search {
             variables: names.chain(self.coordinates.iter().map(|c| rate_name(&c.name))).collect(),
             analysis: first_order_modes(&balanced)?,
             matrix,
-            inputs: self.base.system.borrow().description().inputs.iter().map(ToString::to_string).collect(),
+            inputs: acting.iter().map(|k| rated(&known[k / 3], "", k % 3)[0].clone()).collect(),
+            acting,
+            guess: Guess { q: self.q.clone(), v: self.base.v.clone(), inputs: self.held.clone() },
             input: drive,
             scales,
         })
@@ -212,51 +287,4 @@ fn first_order(
     let mut drive = DMatrix::zeros(kept.len(), forces.len());
     drive.view_mut((n, 0), (all, forces.len())).copy_from(&solved.columns(2 * all, forces.len()));
     Ok((matrix, drive))
-}
-
-/// D⁻¹ A D with D of powers of 2 so that rows and columns of it are of one size (Osborne, J. ACM 7, 1960), and D: ranks count by what is small
-/// beside the whole.
-fn balanced(matrix: &DMatrix<f64>) -> (DMatrix<f64>, Vec<f64>) {
-    let n = matrix.nrows();
-    let (mut a, mut scales) = (matrix.clone(), vec![1.0; n]);
-    for _ in 0..SWEEPS {
-        let mut changed = false;
-        for i in 0..n {
-            let off = |k: &usize| *k != i;
-            let row: f64 = (0..n).filter(off).map(|k| a[(i, k)].abs()).sum();
-            let column: f64 = (0..n).filter(off).map(|k| a[(k, i)].abs()).sum();
-            if row == 0.0 || column == 0.0 {
-                continue;
-            }
-            let factor = (0.5 * (row / column).log2()).round().exp2();
-            if factor == 1.0 || !factor.is_normal() {
-                continue;
-            }
-            a.column_mut(i).scale_mut(factor);
-            a.row_mut(i).scale_mut(1.0 / factor);
-            scales[i] *= factor;
-            changed = true;
-        }
-        if !changed {
-            break;
-        }
-    }
-    (a, scales)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn balancing_keeps_the_matrix_up_to_units() {
-        let matrix = DMatrix::from_row_slice(3, 3, &[0.0, 1e12, 0.0, 1e-12, -1.0, 1e9, 0.0, 1e-9, -2.0]);
-        let (balanced, scales) = balanced(&matrix);
-        assert!(balanced.amax() <= 4.0, "{balanced}");
-        for i in 0..3 {
-            for j in 0..3 {
-                assert_eq!(balanced[(i, j)] * scales[i] / scales[j], matrix[(i, j)]);
-            }
-        }
-    }
 }

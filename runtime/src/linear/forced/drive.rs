@@ -87,15 +87,9 @@ impl Linearised {
     /// # Errors
     /// [`LinearError::WrongSize`] for an input or a coordinate that does not exist.
     pub fn driving_force(&self, drive: &Drive, omega: f64) -> Result<Vec<Complex<f64>>, LinearError> {
+        self.check_drive(drive)?;
         let mut force = vec![Complex::new(0.0, 0.0); self.len()];
         for (source, amplitude) in &drive.parts {
-            let (what, given, expected) = match source {
-                Source::Input(input) => ("the input's index", *input, self.inputs.len()),
-                Source::Force(coordinate) => ("the coordinate's index", *coordinate, self.forces.columns),
-            };
-            if given >= expected {
-                return Err(LinearError::WrongSize { what, given, expected });
-            }
             match source {
                 Source::Force(coordinate) => {
                     for (row, _, value) in self.forces.entries.iter().filter(|e| e.1 as usize == *coordinate) {
@@ -113,6 +107,20 @@ impl Linearised {
             }
         }
         Ok(force)
+    }
+
+    /// Refuses inputs and coordinates that do not exist.
+    pub(super) fn check_drive(&self, drive: &Drive) -> Result<(), LinearError> {
+        for (source, _) in &drive.parts {
+            let (what, given, expected) = match source {
+                Source::Input(input) => ("the input's index", *input, self.inputs.len()),
+                Source::Force(coordinate) => ("the coordinate's index", *coordinate, self.forces.columns),
+            };
+            if given >= expected {
+                return Err(LinearError::WrongSize { what, given, expected });
+            }
+        }
+        Ok(())
     }
 
     /// The complex amplitude of every coordinate at each frequency, rad/s; `None` where an undamped mode makes it

@@ -4,6 +4,7 @@ mod bode;
 mod drive;
 mod harmonic;
 mod initial_value;
+mod input_output;
 mod measured;
 mod motion;
 mod observed;
@@ -18,6 +19,9 @@ pub use bode::bode;
 pub use drive::{Drive, Source, Steady};
 pub use harmonic::{Harmonic, beat};
 pub use initial_value::{Motion, solvemode, solvenorm, solvenum};
+#[cfg(feature = "modal")]
+pub(in crate::linear) use input_output::rated;
+pub use input_output::{InputOutput, NamedDrive, Unreached};
 pub use measured::{Measured, measure};
 pub(in crate::linear) use observed::slopes_of;
 pub use observed::{Observed, observe};

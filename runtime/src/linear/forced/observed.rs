@@ -142,6 +142,11 @@ impl Observed {
         }
     }
 
+    /// Names and units.
+    pub(in crate::linear) fn named(&self) -> Vec<[String; 2]> {
+        self.names.iter().cloned().zip(self.units.iter().cloned()).map(<[String; 2]>::from).collect()
+    }
+
     /// Refuses reactions to generalized forces: they depend on where a force acts, which a generalized one does not say.
     pub(super) fn admits(&self, drive: &Drive) -> Result<(), LinearError> {
         let forced = drive.parts.iter().any(|(source, _)| matches!(source, Source::Force(_)));

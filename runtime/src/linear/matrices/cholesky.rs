@@ -1,20 +1,15 @@
 //! M = L Lᵀ, and the first-order form that needs it.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 /// [[0, I], [−M⁻¹K, −M⁻¹C]]; the index of a pivot of M that is not positive.
 pub fn first_order(m: &DMatrix<f64>, c: &DMatrix<f64>, k: &DMatrix<f64>) -> Result<DMatrix<f64>, usize> {
     let n = m.nrows();
     let factor = cholesky(m)?;
     let mut a = DMatrix::zeros(2 * n, 2 * n);
-    for j in 0..n {
-        a[(j, n + j)] = 1.0;
-        for (matrix, first) in [(k, 0), (c, n)] {
-            let column = solve_cholesky(&factor, &matrix.column(j).into_owned());
-            for i in 0..n {
-                a[(n + i, first + j)] = -column[i];
-            }
-        }
+    a.view_mut((0, n), (n, n)).fill_with_identity();
+    for (matrix, first) in [(k, 0), (c, n)] {
+        a.view_mut((n, first), (n, n)).copy_from(&-solve_cholesky(&factor, matrix));
     }
     Ok(a)
 }
@@ -35,7 +30,8 @@ pub fn cholesky(m: &DMatrix<f64>) -> Result<DMatrix<f64>, usize> {
         .map_or(0, |size| size - 1))
 }
 
-fn solve_cholesky(l: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
+/// M⁻¹ B.
+pub fn solve_cholesky(l: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     let mut x = b.clone();
     // The diagonal of L is positive, so neither substitution can fail.
     l.solve_lower_triangular_mut(&mut x);

@@ -1,5 +1,6 @@
 //! Matrices: sparse ones, dense decompositions, scaling, ranks, the exponential, and mechanisms given by matrices.
 
+mod balanced;
 mod cholesky;
 #[cfg(feature = "modal")]
 mod eigen;
@@ -11,7 +12,8 @@ mod sparse;
 mod symmetric;
 mod tridiagonal;
 
-pub(super) use cholesky::{cholesky, first_order};
+pub(super) use balanced::balanced;
+pub(super) use cholesky::{cholesky, first_order, solve_cholesky};
 #[cfg(feature = "modal")]
 pub(super) use eigen::{Eigen, condition};
 pub use expm::expm;

@@ -1,6 +1,6 @@
-//! An archive of stored files, as an FMU is one.
+//! An archive of stored files, as an FMU is one and a file of NumPy's arrays.
 //!
-//! Nothing is compressed: an FMU is small, and the crates that write archives bring compression, dates and encryption with them for
+//! Nothing is compressed: these are small, and the crates that write archives bring compression, dates and encryption with them for
 //! what are three kinds of records (PKWARE, .ZIP File Format Specification, 4.3).
 
 /// The archive of these files, by their names.

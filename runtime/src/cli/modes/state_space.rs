@@ -1,0 +1,229 @@
+//! `--state-space`: x' = A x + B u, y = C x + D u in a file that programs for control read.
+
+use std::fmt::Write as _;
+use std::io::Write;
+use std::path::Path;
+
+use clap::ArgMatches;
+use nalgebra::DMatrix;
+use serde_json::{Value, json};
+
+use super::super::json::number;
+use super::super::load::Loaded;
+use super::super::plotted::{listed, parts};
+use super::super::set_up::Reader;
+use super::super::{Problem, zip};
+use super::failed;
+use super::model::Model;
+use super::shaken::{Shaken, named};
+use crate::linear::{InputOutput, LinearError, NamedDrive, Unreached, short};
+
+/// Endings of files that are written.
+pub const ENDINGS: [&str; 4] = ["json", "npz", "m", "csv"];
+
+/// Writes the file that was asked for, and says what inputs do not reach and outputs do not show.
+///
+/// # Errors
+/// Names that are unknown, and a file that cannot be written.
+pub fn of_model(
+    loaded: &Loaded,
+    options: &ArgMatches,
+    reader: &mut Reader,
+    model: Model<'_>,
+    out: &mut dyn Write,
+) -> Result<(), Problem> {
+    let Some(path) = options.get_one::<String>("state-space") else { return Ok(()) };
+    let mut drives = Vec::new();
+    for name in inputs(loaded, options) {
+        model.can_move(&name).map_err(failed)?;
+        let Shaken { drive, label, per } = named(loaded, reader, model.linear(), &name)?;
+        drives.push(NamedDrive { drive, name: label, unit: per });
+    }
+    let answers = answers(loaded, options)?;
+    let answers: Vec<&str> = answers.iter().map(String::as_str).collect();
+    let seen = model.observe(loaded, &answers).map_err(failed)?;
+    let found = model.linear().input_output(&drives, &seen).map_err(failed)?;
+    write(path, &loaded.name, &found, options, out)
+}
+
+/// The same of a mechanism with states of first order.
+#[cfg(feature = "modal")]
+pub fn of_states(
+    loaded: &Loaded,
+    options: &ArgMatches,
+    reader: &mut Reader,
+    found: &crate::linear::StateSpace,
+    out: &mut dyn Write,
+) -> Result<(), Problem> {
+    let Some(path) = options.get_one::<String>("state-space") else { return Ok(()) };
+    let system = &*loaded.system;
+    let known = &system.description().inputs;
+    let mut chosen = Vec::new();
+    for name in inputs(loaded, options) {
+        let Some(place) = known.iter().position(|input| **input == *name) else {
+            return Err(super::super::set_up::unknown("input", &name, known.iter().map(|name| &**name)));
+        };
+        let unit = reader.model(loaded)?.unit_of(&name).map(|unit| dalembert_symbolic::print::si_unit(&unit));
+        chosen.push((place, unit.unwrap_or_default()));
+    }
+    let answers = answers(loaded, options)?;
+    let answers: Vec<&str> = answers.iter().map(String::as_str).collect();
+    let found = found.input_output(system, &chosen, &answers).map_err(failed)?;
+    write(path, &loaded.name, &found, options, out)
+}
+
+/// `--in`, or all inputs.
+fn inputs(loaded: &Loaded, options: &ArgMatches) -> Vec<String> {
+    match options.get_one::<String>("in") {
+        Some(text) => parts(text).map(|name| name.trim().to_owned()).filter(|name| !name.is_empty()).collect(),
+        None => loaded.system.description().inputs.iter().map(ToString::to_string).collect(),
+    }
+}
+
+/// `--out`, or all coordinates.
+fn answers(loaded: &Loaded, options: &ArgMatches) -> Result<Vec<String>, Problem> {
+    let description = loaded.system.description();
+    match options.get_one::<String>("out") {
+        Some(text) => listed(description, text),
+        None => Ok(description.coordinates[..description.mechanical()].iter().map(|c| c.name.to_string()).collect()),
+    }
+}
+
+fn write(
+    path: &str,
+    name: &str,
+    found: &InputOutput,
+    options: &ArgMatches,
+    out: &mut dyn Write,
+) -> Result<(), Problem> {
+    let ending = Path::new(path).extension().map_or_else(String::new, |ending| ending.to_string_lossy().to_lowercase());
+    let bytes = match ending.as_str() {
+        "npz" => npz(found),
+        "m" => script(name, found).into_bytes(),
+        "csv" => table(found).into_bytes(),
+        _ => (serde_json::to_string_pretty(&as_json(name, found)).unwrap_or_default() + "\n").into_bytes(),
+    };
+    std::fs::write(path, bytes).map_err(|problem| Problem::File(format!("cannot write `{path}`: {problem}")))?;
+    if options.get_flag("json") {
+        return Ok(());
+    }
+    let (s, m, p) = (found.states.len(), found.inputs.len(), found.outputs.len());
+    writeln!(out, "{path}: x' = A x + B u, y = C x + D u, of {s} states, {m} inputs and {p} outputs")?;
+    if m > 0 {
+        told("  inputs reach", "inputs do not reach", found.uncontrollable(), out)?;
+    }
+    told("  outputs show", "outputs do not show", found.unobservable(), out)
+}
+
+/// Whether all motions are reached, or which are not.
+fn told(all: &str, some: &str, found: Result<Vec<Unreached>, LinearError>, out: &mut dyn Write) -> Result<(), Problem> {
+    let found = found.map_err(failed)?;
+    if found.is_empty() {
+        return Ok(writeln!(out, "{all} all motions")?);
+    }
+    for Unreached { eigenvalue, directions, state } in found {
+        let (re, im) = (short(eigenvalue.re), short(eigenvalue.im));
+        let value = if eigenvalue.im == 0.0 { re } else { format!("{re} ± {im}i") };
+        let (s, are) = if directions == 1 { ("", "") } else { ("s", " each") };
+        writeln!(out, "  {some} {directions} motion{s}{are} at {value} 1/s, most of {state}")?;
+    }
+    Ok(())
+}
+
+/// The four matrices with their names.
+fn matrices(found: &InputOutput) -> [(&'static str, &DMatrix<f64>); 4] {
+    [("A", &found.a), ("B", &found.b), ("C", &found.c), ("D", &found.d)]
+}
+
+/// Names and units of x, u and y.
+fn lists(found: &InputOutput) -> [(&'static str, &[[String; 2]]); 3] {
+    [("state", &found.states), ("input", &found.inputs), ("output", &found.outputs)]
+}
+
+fn as_json(name: &str, found: &InputOutput) -> Value {
+    let rows = |matrix: &DMatrix<f64>| -> Value {
+        matrix.row_iter().map(|row| row.iter().map(|x| number(*x)).collect::<Vec<_>>()).collect::<Vec<_>>().into()
+    };
+    let mut entries = vec![("format".to_owned(), json!(1)), ("model".to_owned(), json!(name))];
+    for (kind, list) in lists(found) {
+        entries.push((format!("{kind}s"), list.iter().map(|[name, _]| name.clone()).collect::<Vec<_>>().into()));
+        entries.push((format!("{kind}_units"), list.iter().map(|[_, unit]| unit.clone()).collect::<Vec<_>>().into()));
+    }
+    entries.extend(matrices(found).map(|(name, matrix)| (name.to_owned(), rows(matrix))));
+    super::super::json::object(entries)
+}
+
+/// Definitions for MATLAB and Octave.
+fn script(name: &str, found: &InputOutput) -> String {
+    let mut text = format!("% Small motions of {name}: x' = A x + B u, y = C x + D u, SI.\n");
+    for (letter, matrix) in matrices(found) {
+        let row = |i: usize| matrix.row(i).iter().map(|x| format!("{x:e}")).collect::<Vec<_>>().join(" ");
+        let rows = (0..matrix.nrows()).map(row).collect::<Vec<_>>().join("; ");
+        let _ = match matrix.is_empty() {
+            true => writeln!(text, "{letter} = zeros({}, {});", matrix.nrows(), matrix.ncols()),
+            false => writeln!(text, "{letter} = [{rows}];"),
+        };
+    }
+    let quoted = |text: &String| format!("'{}'", text.replace('\'', "''"));
+    for (kind, list) in lists(found) {
+        let column = |k: usize| list.iter().map(|entry| quoted(&entry[k])).collect::<Vec<_>>().join(", ");
+        let _ = writeln!(text, "{kind}s = {{{}}};\n{kind}_units = {{{}}};", column(0), column(1));
+    }
+    text + "% ss(A, B, C, D, 'StateName', states, 'InputName', inputs, 'OutputName', outputs)\n"
+}
+
+/// [A B; C D] with names at both sides.
+fn table(found: &InputOutput) -> String {
+    let names = |list: &[[String; 2]]| list.iter().map(|[name, _]| name.clone()).collect::<Vec<_>>();
+    let (states, inputs, outputs) = (names(&found.states), names(&found.inputs), names(&found.outputs));
+    let quoted = |name: &String| if name.contains([',', '"']) { format!("\"{name}\"") } else { name.clone() };
+    let head: Vec<String> = states.iter().chain(&inputs).map(quoted).collect();
+    let mut text = format!("row,{}\n", head.join(","));
+    let blocks = [(&states, &found.a, &found.b, "'"), (&outputs, &found.c, &found.d, "")];
+    for (names, left, right, rate) in blocks {
+        for (i, name) in names.iter().enumerate() {
+            let values = left.row(i).iter().chain(right.row(i).iter()).map(|x| format!("{x:e}")).collect::<Vec<_>>();
+            let _ = writeln!(text, "{},{}", quoted(&format!("{name}{rate}")), values.join(","));
+        }
+    }
+    text
+}
+
+/// An archive of NumPy's arrays (NumPy, A simple file format for NumPy arrays, version 1.0).
+fn npz(found: &InputOutput) -> Vec<u8> {
+    let mut files: Vec<(String, Vec<u8>)> = Vec::new();
+    for (name, matrix) in matrices(found) {
+        let data = matrix.transpose().iter().flat_map(|x| x.to_le_bytes()).collect();
+        let shape = format!("({}, {})", matrix.nrows(), matrix.ncols());
+        files.push((format!("{name}.npy"), npy("<f8", &shape, data)));
+    }
+    for (kind, list) in lists(found) {
+        for (k, ending) in ["s", "_units"].into_iter().enumerate() {
+            let longest = list.iter().map(|entry| entry[k].chars().count()).max().unwrap_or(0).max(1);
+            let padded = |text: &String| {
+                let letters = text.chars().map(u32::from).chain(std::iter::repeat(0)).take(longest);
+                letters.flat_map(u32::to_le_bytes).collect::<Vec<u8>>()
+            };
+            let data = list.iter().flat_map(|entry| padded(&entry[k])).collect();
+            files.push((
+                format!("{kind}{ending}.npy"),
+                npy(&format!("<U{longest}"), &format!("({},)", list.len()), data),
+            ));
+        }
+    }
+    zip::stored(&files)
+}
+
+fn npy(kind: &str, shape: &str, data: Vec<u8>) -> Vec<u8> {
+    let mut head = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}");
+    // The data begin at a multiple of 64 bytes, after a magic string of 6, a version of 2 and a length of 2.
+    while (10 + head.len() + 1) % 64 != 0 {
+        head.push(' ');
+    }
+    head.push('\n');
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((head.len() as u16).to_le_bytes());
+    bytes.extend(head.bytes());
+    bytes.extend(data);
+    bytes
+}
