@@ -44,9 +44,10 @@ fn transfer(found: &Value, omega: f64) -> Vec<Complex<f64>> {
 fn transfer_functions_are_frequency_responses() {
     let base = File::new("base", BASE);
     let four_bar = format!("{}/../models/four_bar.yaml", env!("CARGO_MANIFEST_DIR"));
-    for (name, file, drive, answers) in
-        [("base", base.0.as_str(), "base", "x,x',seen,place"), ("four_bar", &four_bar, "crank_angle", "crank_angle,rocker_angle'")]
-    {
+    for (name, file, drive, answers) in [
+        ("base", base.0.as_str(), "base", "x,x',seen,place"),
+        ("four_bar", &four_bar, "crank_angle", "crank_angle,rocker_angle'"),
+    ] {
         let found = written(name, file, &["--in", drive, "--out", answers]);
         let response = json(&["modes", file, "--drive", drive, "--response", answers, "--range", "0.5..9"]);
         let omegas = response["response"]["omega"].as_array().expect("frequencies");

@@ -172,7 +172,9 @@ fn errors_fall_with_the_step_at_each_method_s_order_down_to_rounding() {
     // A method with error control where it is named; all as data.
     let one = told(&[&paths[..], &["--methods", "dopri5", "--max-steps", "5000", "--json"]].concat()).unwrap();
     assert!(
-        one.starts_with("{\"model\":\"SimplePendulum\",\"compared\":[\"theta\"],\"reference\":\"double-double\""),
+        one.starts_with(
+            "{\"format\":1,\"model\":\"SimplePendulum\",\"compared\":[\"theta\"],\"reference\":\"double-double\""
+        ),
         "{one}"
     );
     assert!(one.contains("\"method\":\"dopri5\",\"order\":5,\"observed_order\":5."), "{one}");

@@ -5,10 +5,20 @@ use std::io;
 use serde_json::ser::{Formatter, Serializer};
 use serde_json::{Map, Value};
 
-/// One value on one line.
+/// The number of the format: it changes when keys change their meaning or go.
+const FORMAT: u32 = 1;
+
+/// One object on one line, its format first.
 pub fn write(value: &Value, out: &mut dyn io::Write) -> io::Result<()> {
     let mut bytes = Vec::new();
-    serde::Serialize::serialize(value, &mut Serializer::with_formatter(&mut bytes, Digits))?;
+    let formatted = value.as_object().map(|entries| {
+        let first = ("format".to_owned(), FORMAT.into());
+        std::iter::once(first)
+            .chain(entries.iter().map(|(key, value)| (key.clone(), value.clone())))
+            .collect::<Map<_, _>>()
+    });
+    let value = formatted.map_or_else(|| value.clone(), Value::Object);
+    serde::Serialize::serialize(&value, &mut Serializer::with_formatter(&mut bytes, Digits))?;
     out.write_all(&bytes)?;
     writeln!(out)
 }

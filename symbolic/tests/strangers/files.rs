@@ -195,3 +195,20 @@ fn a_number_without_a_unit_switches_a_test_off_and_is_no_mistake() {
     assert_eq!(warned(&sum("3.5")), [""; 0]);
     refused(&sum("3.5 1"), "E241");
 }
+
+/// A delay is answered with a state that is near it, and what is proposed is a file that is accepted.
+#[test]
+fn a_delay_is_answered_with_a_state() {
+    let file = |force: &str, states: &str| {
+        format!(
+            "name: T\nparameters: {{m: 1 kg, k: 1 N/m, tau: 0.1 s}}\ncoordinates: {{x: m}}\n{states}\
+             bodies: {{b: {{mass: m, position: \"[x, 0]\"}}}}\nforces: {{f: {{on: b, force: \"[-k*({force}), 0]\"}}}}\n"
+        )
+    };
+    for force in ["delay(x, tau)", "x(t - tau)"] {
+        let problems = load(&file(force, ""), &[]).expect_err("an error");
+        let help = &problems[0].help;
+        assert!(help.contains("lag: {unit: …, rate: 2*(x - lag)/tau}") && help.contains("`2*lag - x`"), "{help}");
+    }
+    accepted(&file("2*lag - x", "states: {lag: {unit: m, rate: 2*(x - lag)/tau}}\n"));
+}

@@ -11,6 +11,14 @@ use crate::diagnose::did_you_mean;
 use crate::expr::{Binary, Id, Symbol, Unary, vectors};
 use crate::language::{Ast, AstKind, FUNCTIONS, Span, function};
 
+/// What stands for a delay: Padé's approximation of order 1, of which the phase lags by ωτ to (ωτ)³/12.
+fn lag(name: &str) -> String {
+    format!(
+        "a run knows the present state only: of `{name}` a time tau ago, with `states: {{lag: {{unit: …, rate: 2*({name} - lag)/tau}}}}` and its unit, \
+         `2*lag - {name}` is near (Padé), with a phase off by (omega*tau)^3/12"
+    )
+}
+
 impl Lower<'_> {
     /// The value of `name(arguments)`.
     pub(super) fn call(&mut self, name: &str, name_span: Span, arguments: &[Ast], span: Span) -> Value {
@@ -21,11 +29,12 @@ impl Lower<'_> {
             let tables = self.scope.names.iter().filter(|(_, entry)| entry.section == Section::Table);
             let tables = tables.map(|(name, _)| name.as_str());
             let help = did_you_mean(name, FUNCTIONS.iter().map(|f| f.name).chain(tables));
-            let help = match self.scope.names.contains_key(name) && help.is_empty() {
-                true => format!(
-                    "a product needs `*`: `{name}*(…)`; delays have no way out: the value of `{name}` at another time than t cannot be written, since a run knows the present state only"
-                ),
-                false => help,
+            let help = match name {
+                "delay" => lag("x"),
+                _ if help.is_empty() && self.scope.names.contains_key(name) => {
+                    format!("a product needs `*`: `{name}*(…)`; where it is another time that is meant, {}", lag(name))
+                }
+                _ => help,
             };
             return self.refuse(names::unknown_function(self.place(name_span), name, help));
         };
