@@ -1,8 +1,11 @@
 //! What a run is told to write, and where it starts from: nothing is lost, nothing overwritten.
 
 use std::fs;
+use std::ops::ControlFlow;
 use std::path::PathBuf;
+use std::sync::Arc;
 
+use dalembert::cli::Session;
 use dalembert::prelude::*;
 use dalembert_models::MODELS;
 
@@ -346,4 +349,27 @@ fn the_number_of_steps_is_limited_and_a_saved_state_tells_its_parameters() {
     let written = fs::read_to_string(&state).expect("a file");
     assert!(written.contains("# with m = 3, mu = 0.5\n"), "{written}");
     told(&["simulate", &model, "--state", &state]).expect("a run on");
+}
+
+#[test]
+fn a_session_answers_with_the_bits_that_the_program_prints() {
+    let folder = folder("session");
+    let path = folder.join("y.yaml").to_string_lossy().into_owned();
+    let session = Session::named(MODELS, &path, Vec::new()).expect("a model");
+    let options = ["--set=m=3".to_owned()];
+    let simulated = session.simulate(&options, &mut || ControlFlow::Continue(())).expect("a run");
+    let without_seconds = |text: &str| {
+        let mut data: serde_json::Value = serde_json::from_str(text).expect("JSON");
+        data["seconds"].take();
+        data
+    };
+    let printed = told(&["simulate", &path, "--json", "--set=m=3"]).expect("a run");
+    assert_eq!(without_seconds(&simulated.json), without_seconds(&printed));
+    assert_eq!(simulated.run.state_rows().len(), 2 * simulated.run.len());
+    let answer = session.command("check", &["--json".to_owned()], &Arc::default());
+    assert_eq!((answer.text, answer.problem.is_none()), (told(&["check", &path, "--json"]).expect("a report"), true));
+    let cut = session.simulate(&options, &mut || ControlFlow::Break(())).expect("what was computed");
+    let (why, time) = cut.failed.expect("an interruption");
+    assert!(why.contains("interrupted") && time < 0.2, "{why}");
+    fs::remove_dir_all(folder).expect("to be removed");
 }

@@ -9,7 +9,7 @@ use clap::ArgMatches;
 
 use super::load::Loaded;
 use super::set_up::set_up;
-use super::{Entry, Problem, needs, outputs};
+use super::{Context, Problem, needs, outputs};
 use crate::mechanism::{Description, Interpreted, Method, System};
 use crate::needs::Needs;
 use crate::precision::{Candidate, Convergence, DoubleOnly, Fidelity, Plan, Reference, WorkPrecision};
@@ -17,10 +17,10 @@ use crate::{Error, Settings};
 
 /// Measures every method that suits, and every way of treating constraints; prints a table and what follows from it, and
 /// writes the charts and all points.
-pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let (table, mut out) = outputs::streams(options, out);
     let out = &mut *out;
-    let mut loaded = Loaded::find(models, options)?;
+    let mut loaded = Loaded::find(context, options)?;
     let by_steps = options.get_flag("steps");
     let files = [("plot", "svg"), ("csv", "csv")].map(|(option, ending)| {
         let kind = if by_steps { "steps" } else { "chart" };
@@ -46,7 +46,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     }
     let twin = options
         .get_one::<String>("twin")
-        .map(|name| twin(models, name, (&loaded, options), &mut columns))
+        .map(|name| twin(context, name, (&loaded, options), &mut columns))
         .transpose()?;
     let methods = methods(&loaded, &settings, options, Candidate::methods)?;
     let by_dop853 = Settings { method: Method::Dop853, ..settings.clone() };
@@ -143,12 +143,12 @@ fn methods(
 
 /// Another file of the same mechanism, and what both can be compared by.
 fn twin(
-    models: &[Entry],
+    context: Context<'_>,
     name: &str,
     (loaded, options): (&Loaded, &ArgMatches),
     columns: &mut Vec<String>,
 ) -> Result<(String, Box<dyn System>, Settings), Problem> {
-    let mut other = Loaded::named(models, name, Vec::new())?;
+    let mut other = Loaded::named(context, name, Vec::new())?;
     let wanted = options.get_one::<String>("scene").map_or("scene", String::as_str);
     let known = &other.system.description().scenes;
     let place = known.iter().position(|known| known == wanted).unwrap_or(0);

@@ -13,18 +13,18 @@ use serde_json::Value;
 
 use super::json::{number, object, write};
 use super::load::{Loaded, ModelFile, derived, sizes};
-use super::{Entry, Problem, freedoms, routh, symmetries};
+use super::{Context, Problem, freedoms, routh, symmetries};
 use crate::mechanism::{At, Balances, Interpreted, System};
 
 /// Derives the model anew and prints the report.
-pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let names: Vec<&String> = options.get_many::<String>("model").into_iter().flatten().collect();
     let (mut failed, mut wrong) = (None, 0);
     for (place, name) in names.iter().enumerate() {
         if place > 0 && !options.get_flag("json") {
             writeln!(out)?;
         }
-        match one(models, name, options, out) {
+        match one(context, name, options, out) {
             // Of several files all are looked at; what is wrong with the last is said by who called.
             Err(problem) if !matches!(problem, Problem::Closed) => {
                 wrong += 1;
@@ -43,11 +43,11 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
 }
 
 /// One file.
-fn one(models: &[Entry], name: &str, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+fn one(context: Context<'_>, name: &str, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     if options.get_flag("json") {
-        return as_json(models, name, options, out);
+        return as_json(context, name, options, out);
     }
-    let text = ModelFile::named(models, name, sizes(options)?)?;
+    let text = ModelFile::named(context, name, sizes(options)?)?;
     let derived = derived(&text.path, &text.source, &text.sizes);
     let program = derived.map_err(|problems| Problem::Model(file::render(&text.path, &text.source, &problems)))?;
     let (n, states) = (program.model.mechanical(), program.model.states.len());
@@ -117,7 +117,7 @@ fn one(models: &[Entry], name: &str, options: &ArgMatches, out: &mut dyn Write) 
     if !options.get_flag("symmetries") {
         return Ok(());
     }
-    symmetries::of_scenes(&Loaded::named(models, name, sizes(options)?)?, &program, out)
+    symmetries::of_scenes(&Loaded::named(context, name, sizes(options)?)?, &program, out)
 }
 
 /// What is conserved, how well it held, and the events whose impacts change it.
@@ -126,8 +126,8 @@ fn conserved(report: &Report) -> impl Iterator<Item = (&(String, f64), &Vec<Stri
 }
 
 /// The report as one object; of a file with mistakes these, each with its place, before the command fails.
-fn as_json(models: &[Entry], name: &str, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
-    let text = ModelFile::named(models, name, sizes(options)?)?;
+fn as_json(context: Context<'_>, name: &str, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+    let text = ModelFile::named(context, name, sizes(options)?)?;
     let program = match derived(&text.path, &text.source, &text.sizes) {
         Ok(program) => program,
         Err(problems) => {
@@ -177,7 +177,7 @@ fn as_json(models: &[Entry], name: &str, options: &ArgMatches, out: &mut dyn Wri
 }
 
 /// Errors and warnings, with lines and columns in characters from 1.
-fn mistakes(source: &str, problems: &[dalembert_symbolic::diagnose::Problem]) -> Value {
+pub(super) fn mistakes(source: &str, problems: &[dalembert_symbolic::diagnose::Problem]) -> Value {
     let one = |(extent, problem): (file::Extent, &dalembert_symbolic::diagnose::Problem)| {
         object([
             ("code", problem.code.into()),

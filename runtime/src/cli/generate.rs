@@ -8,10 +8,10 @@ use dalembert_symbolic::model::KEYWORDS;
 use dalembert_symbolic::{file, print};
 
 use super::load::{ModelFile, derived, sizes};
-use super::{Entry, Problem, outputs};
+use super::{Context, Problem, outputs};
 
 /// Writes the code of a model, or says where a file differs from it.
-pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let text = |option: &str| options.get_one::<String>(option).map(String::as_str);
     let asked = text("model").unwrap_or_default();
     let path = text("output").unwrap_or("-");
@@ -20,7 +20,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         return Err(Problem::Usage("error: --check compares with a file; name it by -o FILE.rs".to_owned()));
     }
     let name = text("name").map(type_name).transpose()?;
-    let model = ModelFile::named(models, asked, sizes(options)?)?;
+    let model = ModelFile::named(context, asked, sizes(options)?)?;
     let problem = |problems: &[_]| Problem::Model(file::render(&model.path, &model.source, problems));
     let program = derived(&model.path, &model.source, &model.sizes).map_err(|problems| problem(&problems))?;
     eprint!("{}", file::render(&model.path, &model.source, &program.model.warnings));

@@ -6,12 +6,12 @@ use dalembert_symbolic::file;
 use dalembert_symbolic::model::load_in;
 
 use super::load::folder;
-use super::{Entry, Problem};
+use super::{Context, Problem};
 
 /// One line a model: name, degrees of freedom (without constraints as many as coordinates), the first sentence about it.
-pub fn run(models: &[Entry], out: &mut dyn Write) -> Result<(), Problem> {
-    let width = models.iter().map(|entry| entry.name.len()).max().unwrap_or(0);
-    for entry in models {
+pub fn run(context: Context<'_>, out: &mut dyn Write) -> Result<(), Problem> {
+    let width = context.models.iter().map(|entry| entry.name.len()).max().unwrap_or(0);
+    for entry in context.models {
         let model = load_in(folder(entry.path), entry.source, &[])
             .map_err(|problems| Problem::Model(file::render(entry.path, entry.source, &problems)))?;
         let n = model.mechanical();

@@ -2,8 +2,8 @@
 
 use std::io::{IsTerminal, Read, Write};
 use std::path::Path;
-use std::sync::OnceLock;
 use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use clap::ArgMatches;
@@ -12,7 +12,7 @@ use dalembert_symbolic::model::{Model, load_in};
 use dalembert_symbolic::print::fnv1a;
 use dalembert_symbolic::{diagnose, file};
 
-use super::{Entry, Problem};
+use super::{Context, Entry, Problem};
 use crate::mechanism::{Interpreted, System};
 
 /// A model file, whatever is wrong with it.
@@ -29,7 +29,17 @@ pub struct ModelFile {
 
 impl ModelFile {
     /// The text of the model of this name or path, whatever is wrong with it.
-    pub fn named(models: &[Entry], name: &str, sizes: Vec<(String, i64)>) -> Result<ModelFile, Problem> {
+    pub fn named(context: Context<'_>, name: &str, sizes: Vec<(String, i64)>) -> Result<ModelFile, Problem> {
+        if let Some(kept) = context.kept(name) {
+            let sizes = if sizes.is_empty() { kept.sizes.clone() } else { sizes };
+            return Ok(ModelFile {
+                name: kept.name.clone(),
+                path: kept.path.clone(),
+                source: kept.source.clone(),
+                sizes,
+            });
+        }
+        let models = context.models;
         if let Some(entry) = models.iter().find(|entry| entry.name == name) {
             let now = || std::fs::read_to_string(entry.path).ok();
             let source = if entry.compiled.is_some() { None } else { now() };
@@ -37,6 +47,11 @@ impl ModelFile {
             return Ok(ModelFile { name: name.to_owned(), path, source, sizes });
         }
         ModelFile::read(models, name, sizes)
+    }
+
+    /// What is wrong with it, to print.
+    pub fn problem(&self, problems: &[diagnose::Problem]) -> Problem {
+        Problem::Model(file::render(&self.path, &self.source, problems))
     }
 
     fn read(models: &[Entry], name: &str, sizes: Vec<(String, i64)>) -> Result<ModelFile, Problem> {
@@ -88,25 +103,28 @@ pub struct Loaded {
     /// What the user should know.
     pub warnings: Vec<String>,
     /// What is interpreted.
-    derived: Option<Program>,
+    derived: Option<Arc<Program>>,
 }
 
 impl Loaded {
     /// Finds the model that the command line names.
-    pub fn find(models: &[Entry], options: &ArgMatches) -> Result<Loaded, Problem> {
+    pub fn find(context: Context<'_>, options: &ArgMatches) -> Result<Loaded, Problem> {
         let name = options.get_one::<String>("model").map_or("", String::as_str);
-        Loaded::named(models, name, sizes(options)?)
+        Loaded::named(context, name, sizes(options)?)
     }
 
     /// Finds a model by its name or path.
-    pub fn named(models: &[Entry], name: &str, sizes: Vec<(String, i64)>) -> Result<Loaded, Problem> {
-        if let Some(entry) = models.iter().find(|entry| entry.name == name)
+    pub fn named(context: Context<'_>, name: &str, sizes: Vec<(String, i64)>) -> Result<Loaded, Problem> {
+        if let Some(kept) = context.kept(name).filter(|_| sizes.is_empty()) {
+            return Ok(kept.again());
+        }
+        if let Some(entry) = context.models.iter().find(|entry| entry.name == name)
             && let Some(system) = entry.compiled
         {
             return Loaded::compiled(entry, system, sizes);
         }
-        let ModelFile { name, path, source, sizes } = ModelFile::named(models, name, sizes)?;
-        Loaded::interpreted(name, path, source, sizes)
+        let file = ModelFile::named(context, name, sizes)?;
+        Loaded::interpreted(&file).map_err(|problems| file.problem(&problems))
     }
 
     fn compiled(entry: &Entry, system: fn() -> Box<dyn System>, sizes: Vec<(String, i64)>) -> Result<Loaded, Problem> {
@@ -118,21 +136,41 @@ impl Loaded {
         }
         let (name, path, source) = (entry.name.to_owned(), entry.path.to_owned(), entry.source.to_owned());
         if !sizes.is_empty() {
-            return Loaded::interpreted(name, path, source, sizes);
+            let file = ModelFile { name, path, source, sizes };
+            return Loaded::interpreted(&file).map_err(|problems| file.problem(&problems));
         }
         Ok(Loaded { name, path, source, sizes, system: system(), warnings, derived: None })
     }
 
-    fn interpreted(name: String, path: String, source: String, sizes: Vec<(String, i64)>) -> Result<Loaded, Problem> {
-        let program = compiled_or_problem(&path, &source, &sizes)?;
+    /// Derives a model file.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn interpreted(file: &ModelFile) -> Result<Loaded, Vec<diagnose::Problem>> {
+        let ModelFile { name, path, source, sizes } = file;
+        let program = derived(path, source, sizes)?;
+        let (name, path, source, sizes) = (name.clone(), path.clone(), source.clone(), sizes.clone());
         let system = Box::new(Interpreted::new(program.clone(), &source));
-        Ok(Loaded { name, path, source, sizes, system, warnings: Vec::new(), derived: Some(program) })
+        Ok(Loaded { name, path, source, sizes, system, warnings: Vec::new(), derived: Some(Arc::new(program)) })
+    }
+
+    /// The same once more, as it was loaded.
+    pub fn again(&self) -> Loaded {
+        Loaded {
+            name: self.name.clone(),
+            path: self.path.clone(),
+            source: self.source.clone(),
+            sizes: self.sizes.clone(),
+            system: self.system.boxed_clone(),
+            warnings: self.warnings.clone(),
+            derived: self.derived.clone(),
+        }
     }
 
     /// The derived model, for what the compiled code does not keep.
     pub fn program(&self) -> Result<Program, Problem> {
         match &self.derived {
-            Some(program) => Ok(program.clone()),
+            Some(program) => Ok(Program::clone(program)),
             None => compiled_or_problem(&self.path, &self.source, &self.sizes),
         }
     }

@@ -15,6 +15,7 @@ mod chart;
 mod check;
 mod compare;
 mod completions;
+mod context;
 mod drawn;
 mod enforcement;
 mod export;
@@ -34,6 +35,7 @@ mod plotted;
 mod problem;
 mod routh;
 mod schema;
+mod session;
 mod set_up;
 mod show;
 mod simulate;
@@ -49,8 +51,10 @@ mod zip;
 use std::process::ExitCode;
 
 use crate::mechanism::System;
+use context::Context;
 
 pub use problem::Problem;
+pub use session::{Answer, LoadError, Session, Simulated};
 
 /// A model that goes by its name.
 #[derive(Clone, Copy)]
@@ -67,12 +71,17 @@ pub struct Entry {
 
 /// Runs the program with the process's arguments.
 pub fn main(models: &[Entry]) -> ExitCode {
-    match run(models, std::env::args_os(), &mut std::io::stdout().lock()) {
+    ExitCode::from(status(models, std::env::args_os()))
+}
+
+/// Runs the program with these arguments (the first is the program's name), on standard output and standard error; its exit code.
+pub fn status(models: &[Entry], arguments: impl IntoIterator<Item = impl Into<std::ffi::OsString> + Clone>) -> u8 {
+    match run(models, arguments, &mut std::io::stdout().lock()) {
         // Whoever reads has seen enough.
-        Ok(()) | Err(Problem::Closed) => ExitCode::SUCCESS,
+        Ok(()) | Err(Problem::Closed) => 0,
         Err(problem) => {
             eprintln!("{problem}");
-            ExitCode::from(problem.status())
+            problem.status()
         }
     }
 }
@@ -83,6 +92,14 @@ pub fn main(models: &[Entry]) -> ExitCode {
 /// Bad usage, a bad model file, or a run that failed.
 pub fn run(
     models: &[Entry],
+    arguments: impl IntoIterator<Item = impl Into<std::ffi::OsString> + Clone>,
+    out: &mut dyn std::io::Write,
+) -> Result<(), Problem> {
+    command(Context::of(models), arguments, out)
+}
+
+fn command(
+    context: Context<'_>,
     arguments: impl IntoIterator<Item = impl Into<std::ffi::OsString> + Clone>,
     out: &mut dyn std::io::Write,
 ) -> Result<(), Problem> {
@@ -100,23 +117,23 @@ pub fn run(
     let mut nothing = std::io::sink();
     let out = if outputs::is_quiet(options) { &mut nothing } else { out };
     match command {
-        "list" => list::run(models, out),
-        "show" => show::run(models, options, out),
-        "export" => export::run(models, options, out),
-        "generate" => generate::run(models, options, out),
-        "check" => check::run(models, options, out),
-        "simulate" => simulate::run(models, options, out),
-        "orbit" => orbit::run(models, options, out),
-        "solve" => solve::run(models, options, out),
-        "chart" => chart::run(models, options, out),
+        "list" => list::run(context, out),
+        "show" => show::run(context, options, out),
+        "export" => export::run(context, options, out),
+        "generate" => generate::run(context, options, out),
+        "check" => check::run(context, options, out),
+        "simulate" => simulate::run(context, options, out),
+        "orbit" => orbit::run(context, options, out),
+        "solve" => solve::run(context, options, out),
+        "chart" => chart::run(context, options, out),
         "stability" => stability::run(options, out),
-        "sweep" => sweep::run(models, options, out),
-        "modes" => modes::run(models, options, out),
-        "needs" => needs::run(models, options, out),
+        "sweep" => sweep::run(context, options, out),
+        "modes" => modes::run(context, options, out),
+        "needs" => needs::run(context, options, out),
         "new" => new::run(options, out),
         "import" => import::run(options, out),
         "schema" => schema::run(options, out),
-        "completions" => completions::run(models, options, out),
+        "completions" => completions::run(context, options, out),
         other => Err(Problem::Usage(format!("error: no command is called `{other}`"))),
     }
 }

@@ -12,14 +12,14 @@ use serde_json::{Value, json};
 use super::json::{self, number, object};
 use super::load::{Loaded, folder, pairs};
 use super::set_up::{Reader, parameter_index};
-use super::{Entry, Problem, outputs, value_files};
+use super::{Context, Problem, outputs, value_files};
 use crate::needs::{Deviation, ModelReduction, Need, Needs, NeedsError, NeedsRequest, Proposal, Verdict};
 use crate::precision::Verified;
 use crate::run::plain;
 
 /// Tries every ingredient of a model, prints what a scene does without, and writes the smaller file.
-pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
-    let mut loaded = Loaded::find(models, options)?;
+pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+    let mut loaded = Loaded::find(context, options)?;
     let comparison = options.get_one::<String>("write").map(|path| comparison_path(path));
     let files = [
         ("write", options.get_one::<String>("write")),

@@ -10,7 +10,7 @@ use super::json::{number, object};
 use super::load::{Loaded, listed, listed_pairs};
 use super::set_up::{Reader, for_search, motion_index, parameter_index};
 use super::sweep::points;
-use super::{Entry, Problem, families, outputs, stability_maps, value_files};
+use super::{Context, Problem, families, outputs, stability_maps, value_files};
 use crate::Error;
 use crate::find::Value;
 use crate::mechanism::Goal;
@@ -18,8 +18,8 @@ use crate::orbit::{Family, Multiplier, Orbit, OrbitSearch, StabilityMap};
 use crate::run::written;
 
 /// Searches, and prints what was found.
-pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
-    let (loaded, run_described) = for_search(models, options, &["save", "plot"])?;
+pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+    let (loaded, run_described) = for_search(context, options, &["save", "plot"])?;
     let search = OrbitSearch::of(Ok(run_described));
     let search = match motion_index(&loaded, options)? {
         Some(place) => asked(search, &loaded, place)?,

@@ -9,7 +9,7 @@ use dalembert_symbolic::{diagnose, file, gate, lower};
 
 use super::arguments::MOTION;
 use super::load::{Loaded, pairs};
-use super::{Entry, Problem, outputs, value_files};
+use super::{Context, Problem, outputs, value_files};
 use crate::Settings;
 use crate::mechanism::{Interpreted, System};
 use crate::simulate::{Described, Origin};
@@ -306,8 +306,8 @@ pub fn origin(loaded: &Loaded, options: &ArgMatches) -> Result<Origin, Problem> 
 }
 
 /// What a search begins with: the model, and the run that the options describe; none of the files of these options may be another's.
-pub fn for_search(models: &[Entry], options: &ArgMatches, files: &[&str]) -> Result<(Loaded, Described), Problem> {
-    let mut loaded = Loaded::find(models, options)?;
+pub fn for_search(context: Context<'_>, options: &ArgMatches, files: &[&str]) -> Result<(Loaded, Described), Problem> {
+    let mut loaded = Loaded::find(context, options)?;
     outputs::check(options, files, &loaded.path)?;
     let mut settings = set_up(&mut loaded, options)?;
     if let Some(method) = options.get_one::<String>("method") {

@@ -10,11 +10,11 @@ use dalembert_symbolic::{file, print};
 use serde_json::Value;
 
 use super::load::{Loaded, pairs};
-use super::{Entry, Problem, check, json, outputs};
+use super::{Context, Problem, check, json, outputs};
 
 /// Prints M, h, constraints and what was recognised; with `--rust`, `--python` or `--c` code.
-pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
-    let loaded = Loaded::find(models, options)?;
+pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+    let loaded = Loaded::find(context, options)?;
     let mut text = Vec::new();
     print_form(&loaded, options, &mut text)?;
     let form = ["rust", "latex", "python", "c", "json"].into_iter().find(|form| options.get_flag(form));

@@ -2,21 +2,19 @@
 
 use std::io::{IsTerminal, Write};
 use std::ops::ControlFlow;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use clap::ArgMatches;
 use dalembert_symbolic::diagnose::did_you_mean_or;
 use dalembert_symbolic::print::fnv1a;
 use serde_json::{Value, json};
-use signal_hook::consts::{SIGINT, SIGTERM};
 
 use super::json::{number, object};
 use super::load::Loaded;
 use super::plotted::Shown;
 use super::set_up::{set_up, set_up_scene};
-use super::{Entry, Problem, compare, drawn, enforcement, outputs, slopes, symmetries, value_files};
+use super::{Context, Problem, compare, drawn, enforcement, outputs, slopes, symmetries, value_files};
 use crate::mechanism::{self, Action, ContactMode, Description, Enforcement, Stabilisation, Target};
 use crate::numbers::short;
 use crate::run::{RunPart, Work};
@@ -25,8 +23,8 @@ use crate::simulate::{LAGRANGE, estimate_global_error};
 use crate::{ContactHistory, Error, Impulse, Run, Settings, Slopes};
 
 /// Runs, writes files that were asked for, and prints the outcome; a run that failed is written and printed too.
-pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
-    let mut loaded = Loaded::find(models, options)?;
+pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+    let mut loaded = Loaded::find(context, options)?;
     outputs::check(options, &["csv", "plot", "animate", "save"], &loaded.path)?;
     drawn::check(&loaded, options)?;
     let settings = set_up(&mut loaded, options).and_then(|settings| by_options(settings, options))?;
@@ -39,21 +37,16 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         Some(name) => choose_derivation(&mut loaded, name)?,
         None => (),
     }
-    let others = others(models, options)?;
+    let others = others(context, options)?;
     let mut progress = Progress::new(&settings);
-    let interrupted = interruption();
-    let outcome = crate::simulate_with(&mut *loaded.system, &settings, &mut |t| {
-        progress.tell(t);
-        if interrupted.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    });
-    let outcome = outcome.map(|mut run| {
-        if wants_digits(&run, options) {
-            progress.say("how many digits hold: a second run");
-            estimate_global_error(&mut *loaded.system, &settings, &mut run, &mut |_| {
-                if interrupted.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-            });
+    let interrupted = context.interruption();
+    let outcome = computed(&mut loaded, &settings, options, &mut |stage| {
+        match stage {
+            Stage::At(t) => progress.tell(t),
+            Stage::SecondRun => progress.say("how many digits hold: a second run"),
+            Stage::InSecondRun => (),
         }
-        run
+        if interrupted.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     progress.clear();
     match outcome {
@@ -69,6 +62,70 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     }
 }
 
+/// How far a simulation is.
+pub enum Stage {
+    /// The run has reached this time, s.
+    At(f64),
+    /// The second run begins.
+    SecondRun,
+    /// It goes on.
+    InSecondRun,
+}
+
+/// Runs, and where that is wanted a second time to tell how many digits hold.
+fn computed(
+    loaded: &mut Loaded,
+    settings: &Settings,
+    options: &ArgMatches,
+    watch: &mut dyn FnMut(Stage) -> ControlFlow<()>,
+) -> Result<Run, Error> {
+    let mut run = crate::simulate_with(&mut *loaded.system, settings, &mut |t| watch(Stage::At(t)))?;
+    if wants_digits(&run, options) && watch(Stage::SecondRun).is_continue() {
+        estimate_global_error(&mut *loaded.system, settings, &mut run, &mut |_| watch(Stage::InSecondRun));
+    }
+    Ok(run)
+}
+
+/// What a scene's run comes to, for programs: the run, whether it reached its end, and what `--json` prints of it.
+pub struct Outcome {
+    /// The mechanism as it was run.
+    pub loaded: Loaded,
+    /// What was computed.
+    pub run: Run,
+    /// Why it ended early, and when, s.
+    pub failed: Option<(String, f64)>,
+    /// What `--json` prints.
+    pub json: Value,
+}
+
+/// Runs a scene without writing anything.
+pub fn outcome(
+    context: Context<'_>,
+    options: &ArgMatches,
+    watch: &mut dyn FnMut(Stage) -> ControlFlow<()>,
+) -> Result<Outcome, Problem> {
+    let mut loaded = Loaded::find(context, options)?;
+    let settings = set_up(&mut loaded, options).and_then(|settings| by_options(settings, options))?;
+    if let Some(name) = options.get_one::<String>("by") {
+        choose_derivation(&mut loaded, name)?;
+    }
+    let (run, failed) = match computed(&mut loaded, &settings, options, watch) {
+        Ok(run) => (run, None),
+        Err(Error::Run(failure)) => {
+            let told = (failure.to_string(), failure.state.t);
+            (failure.run, Some(told))
+        }
+        Err(error) => return Err(Problem::Usage(format!("error: {error}"))),
+    };
+    let mut json = as_json(&loaded, &settings, &run);
+    if failed.is_none()
+        && let Some(slopes) = slopes::asked(&mut loaded, &settings, options)?
+    {
+        json["slopes"] = slopes::as_json(&slopes);
+    }
+    Ok(Outcome { loaded, run, failed, json })
+}
+
 /// With `--method`, `--together` and what is said of constraints.
 fn by_options(mut settings: Settings, options: &ArgMatches) -> Result<Settings, Problem> {
     if let Some(method) = options.get_one::<String>("method") {
@@ -80,12 +137,12 @@ fn by_options(mut settings: Settings, options: &ArgMatches) -> Result<Settings, 
 }
 
 /// The runs of `--with`, as far as they came.
-fn others(models: &[Entry], options: &ArgMatches) -> Result<Vec<(String, Run)>, Problem> {
+fn others(context: Context<'_>, options: &ArgMatches) -> Result<Vec<(String, Run)>, Problem> {
     let scenes = options.get_one::<String>("with").map_or("", String::as_str);
     let scenes = scenes.split(',').map(str::trim).filter(|scene| !scene.is_empty());
     scenes
         .map(|scene| {
-            let mut loaded = Loaded::find(models, options)?;
+            let mut loaded = Loaded::find(context, options)?;
             let settings = set_up_scene(&mut loaded, options, Some(scene))?;
             let settings = by_options(settings, options)?;
             match crate::simulate(&mut *loaded.system, &settings) {
@@ -108,17 +165,6 @@ const PATIENCE: f64 = 10.0;
 /// Whether to run a second time to tell how many digits hold.
 fn wants_digits(run: &Run, options: &ArgMatches) -> bool {
     options.get_flag("digits") || run.seconds < PATIENCE && !options.get_flag("no-digits")
-}
-
-/// True from the first Ctrl-C or request to end (SIGTERM) on; the second ends the program.
-pub fn interruption() -> Arc<AtomicBool> {
-    let flag = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM] {
-        // Where signals cannot be had, they end the program as they always did.
-        let _ = signal_hook::flag::register_conditional_shutdown(signal, 128 + signal, flag.clone());
-        let _ = signal_hook::flag::register(signal, flag.clone());
-    }
-    flag
 }
 
 /// Puts the system of balances of this name in force.

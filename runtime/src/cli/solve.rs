@@ -9,15 +9,15 @@ use serde_json::{Value as Json, json};
 use super::json::{number, object};
 use super::load::{Loaded, listed_pairs};
 use super::set_up::{Place, Reader, for_search, motion_index, parameter_index, place_in_state};
-use super::{Entry, Problem, outputs, value_files};
+use super::{Context, Problem, outputs, value_files};
 use crate::error::{Error, NoSlopes, NotFound};
 use crate::find::{Found, Record, Search, Value};
 use crate::mechanism::Coordinate;
 use crate::run::{plain, written};
 
 /// Searches, and prints what was found.
-pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
-    let (loaded, described) = for_search(models, options, &["save"])?;
+pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+    let (loaded, described) = for_search(context, options, &["save"])?;
     let mut reader = Reader::new(&loaded);
     let mut search = Search::of(Ok(described));
     if let Some(place) = motion_index(&loaded, options)? {

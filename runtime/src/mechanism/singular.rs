@@ -51,7 +51,7 @@ impl From<SingularMass> for Singular {
 
 impl Singular {
     /// The end of a run that came to such a state, with the names that the mechanism gives.
-    pub(crate) fn cause(self, mechanism: &Description) -> Cause {
+    pub fn cause(self, mechanism: &Description) -> Cause {
         let systems = &mechanism.balances;
         let name = |system: usize| systems.get(system).map_or_else(String::new, |s| s.name.to_string());
         match self {

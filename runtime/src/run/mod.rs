@@ -207,6 +207,16 @@ impl Run {
         }
     }
 
+    /// All reported states row by row, [q; q'] each, in the order of [`Run::column_names`].
+    pub fn state_rows(&self) -> &[f64] {
+        &self.rows
+    }
+
+    /// The outputs at all reported times, row by row, component by component; NaN where absent.
+    pub fn output_rows(&self) -> &[f64] {
+        &self.outputs
+    }
+
     /// A held value at the end, by its name in the file.
     pub fn memory(&self, name: &str) -> Option<f64> {
         self.memory.get(self.sampling.place_of(name)?).copied()

@@ -218,7 +218,7 @@ impl Run {
     }
 
     /// The SI unit of a coordinate, rate or output; empty where it is pure or not known.
-    pub(crate) fn unit(&self, name: &str) -> String {
+    pub fn unit(&self, name: &str) -> String {
         unit(&self.description, name)
     }
 }

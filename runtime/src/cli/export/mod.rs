@@ -14,7 +14,7 @@ use dalembert_symbolic::print::{self, CText};
 use self::description::Start;
 use super::load::Loaded;
 use super::set_up::set_up;
-use super::{Entry, Problem, outputs};
+use super::{Context, Problem, outputs};
 use crate::{Settings, simulate};
 
 /// Tolerances of an FMU's own integration are no tighter: beyond them its method of order 5 takes too many steps.
@@ -23,8 +23,8 @@ const TIGHTEST: f64 = 1e-10;
 const BEGINNING: f64 = 1e-6;
 
 /// Writes what was asked for.
-pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
-    let mut loaded = Loaded::find(models, options)?;
+pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+    let mut loaded = Loaded::find(context, options)?;
     let program = loaded.program()?;
     let code = print::c(&program, &loaded.name);
     if let Some(folder) = options.get_one::<String>("c") {

@@ -13,6 +13,7 @@ mod report;
 #[cfg(feature = "modal")]
 mod sampled;
 mod shaken;
+mod spaces;
 mod state_space;
 #[cfg(feature = "modal")]
 mod states;
@@ -25,7 +26,7 @@ use std::io::Write;
 
 use super::load::{Loaded, pairs};
 use super::set_up::{Reader, choose, with_unit_of};
-use super::{Entry, Problem, outputs};
+use super::{Context, Problem, outputs};
 use crate::linear::{
     Guess, Kind, LinearError, Linearised, Mode, animate_mode, draw_modes, equilibrium_here, equilibrium_near,
     has_dependent_coordinates, linearise, linearise_constrained,
@@ -42,43 +43,21 @@ use motion::Compared;
 use serde_json::json;
 use steady::Speeds;
 
+pub(super) use spaces::linearised;
+
 /// Options that draw.
 const PICTURES: [&str; 5] = ["plot", "motion", "bode", "locus", "campbell"];
 /// Matrices with more coordinates are not printed for people.
 const MOST_PRINTED: usize = 12;
 
 /// Searches from `--at` or the file's guess (or takes it as it is), linearises, and prints the modes.
-pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let mut drawn = PICTURES.iter().filter_map(|name| options.get_one::<String>(name));
     drawn.try_for_each(|path| outputs::drawable(path))?;
     options.get_one::<String>("animate").map_or(Ok(()), |path| outputs::playable(path))?;
     options.get_one::<String>("state-space").map_or(Ok(()), |path| outputs::ends_in(path, &state_space::ENDINGS))?;
     options.get_one::<String>("matrices").map_or(Ok(()), |path| outputs::ends_in(path, &["mtx", "csv"]))?;
-    let mut loaded = Loaded::find(models, options)?;
-    super::drawn::check(&loaded, options)?;
-    let (scene, mut reader) = choose(&mut loaded, options)?;
-    enter_phase(&mut loaded, scene, options)?;
-    let inputs = held_inputs(&loaded, options)?;
-    let mut memory = loaded.system.scene_memory(scene);
-    let mut speeds = Speeds::new(&loaded, options, scene, &inputs)?;
-    let mut q = match options.get_flag("steady") {
-        true => loaded.system.scene(scene).q,
-        false => resting(&*loaded.system, scene),
-    };
-    if loaded.system.description().has_states() {
-        // The guess of a state stands in the place of its hidden coordinate.
-        let first = loaded.system.description().mechanical();
-        speeds.v[first..].copy_from_slice(&q[first..]);
-        q[first..].fill(0.0);
-    }
-    reader.states(&loaded, options, "at", &mut q, &mut speeds.v)?;
-    for (place, value) in reader.memory(&loaded, options, "at")? {
-        memory[place] = value;
-    }
-    loaded.system.set_memory(&memory);
-    let held = held_note(&*loaded.system).filter(|_| !options.get_flag("sampled"));
-    let guess = Guess { q, v: speeds.v.clone(), inputs };
-    loaded.warnings.append(&mut reader.notes);
+    let Prepared { loaded, scene, mut reader, speeds, guess, held } = prepared(context, options)?;
     for warning in loaded.warnings.iter().chain(&held) {
         eprintln!("warning: {warning}");
     }
@@ -136,6 +115,47 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
         locus.table(out)?;
     }
     Ok(())
+}
+
+/// What small motions are about, before an equilibrium is looked for.
+struct Prepared {
+    loaded: Loaded,
+    scene: usize,
+    reader: Reader,
+    speeds: Speeds,
+    guess: Guess,
+    /// That held values stay as they are.
+    held: Option<String>,
+}
+
+/// Applies what chooses a scene, a phase, and where the search begins.
+fn prepared(context: Context<'_>, options: &ArgMatches) -> Result<Prepared, Problem> {
+    let mut loaded = Loaded::find(context, options)?;
+    super::drawn::check(&loaded, options)?;
+    let (scene, mut reader) = choose(&mut loaded, options)?;
+    enter_phase(&mut loaded, scene, options)?;
+    let inputs = held_inputs(&loaded, options)?;
+    let mut memory = loaded.system.scene_memory(scene);
+    let mut speeds = Speeds::new(&loaded, options, scene, &inputs)?;
+    let mut q = match options.get_flag("steady") {
+        true => loaded.system.scene(scene).q,
+        false => resting(&*loaded.system, scene),
+    };
+    if loaded.system.description().has_states() {
+        // The guess of a state stands in the place of its hidden coordinate.
+        let first = loaded.system.description().mechanical();
+        speeds.v[first..].copy_from_slice(&q[first..]);
+        q[first..].fill(0.0);
+    }
+    reader.states(&loaded, options, "at", &mut q, &mut speeds.v)?;
+    for (place, value) in reader.memory(&loaded, options, "at")? {
+        memory[place] = value;
+    }
+    loaded.system.set_memory(&memory);
+    let held = held_note(&*loaded.system).filter(|_| !options.get_flag("sampled"));
+    let guess = Guess { q, v: speeds.v.clone(), inputs };
+    loaded.warnings.append(&mut reader.notes);
+    Ok(Prepared { loaded, scene, reader, speeds, guess, held })
 }
 
 /// That held values stay as they are, where ticks or other events would set some.

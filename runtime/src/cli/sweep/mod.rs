@@ -21,8 +21,7 @@ use table::{Row, Table, results};
 use super::load::Loaded;
 use super::modes::at_rest;
 use super::set_up::{Changes, choose, unknown};
-use super::simulate::interruption;
-use super::{Entry, Problem, outputs};
+use super::{Context, Problem, outputs};
 use crate::Settings;
 use crate::ensemble::spread;
 use crate::mechanism::{Description, HIDDEN, Method, System};
@@ -44,8 +43,8 @@ const MOST_LINES: usize = 12;
 const BESIDE: &str = "csv (what the table is of)";
 
 /// Runs all, or merges the tables of parts; prints a table, and writes it whole.
-pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
-    let mut loaded = Loaded::find(models, options)?;
+pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+    let mut loaded = Loaded::find(context, options)?;
     let path = options.get_one::<String>("csv").cloned().unwrap_or_else(|| format!("{}-sweep.csv", loaded.name));
     check_files(options, &path, &loaded)?;
     let columns = names(loaded.system.description());
@@ -61,7 +60,7 @@ pub fn run(models: &[Entry], options: &ArgMatches, out: &mut dyn Write) -> Resul
     let (table, all) = match merged {
         Some((table, experiment)) => (put_together(&loaded, (table, experiment), &results, &path)?, None),
         None => {
-            let (table, all) = compute(&mut loaded, options, (&columns, modes), &path)?;
+            let (table, all) = compute(context, &mut loaded, options, (&columns, modes), &path)?;
             (table, Some(all))
         }
     };
@@ -154,6 +153,7 @@ fn wanted_modes(options: &ArgMatches) -> Result<usize, Problem> {
 
 /// Runs what the table at this path does not have yet; the table, and how many rows it has when all are run.
 fn compute(
+    context: Context<'_>,
     loaded: &mut Loaded,
     options: &ArgMatches,
     (columns, modes): (&[String], usize),
@@ -179,7 +179,7 @@ fn compute(
     let there: HashSet<usize> = kept.done.iter().map(|row| row.run).collect();
     let all: Vec<usize> = (shard..points.len()).step_by(shards).collect();
     let left: Vec<usize> = all.iter().copied().filter(|run| !there.contains(run)).collect();
-    let sweep = Sweep { system: &*loaded.system, scene, changes, points, method, columns, modes };
+    let sweep = Sweep { context, system: &*loaded.system, scene, changes, points, method, columns, modes };
     let rows = sweep.rows(&left, threads, &kept)?;
     let mut table = Table { names, rows: kept.done.into_iter().chain(rows).collect() };
     table.sort()?;
@@ -189,6 +189,7 @@ fn compute(
 
 /// What all runs have in common.
 struct Sweep<'a> {
+    context: Context<'a>,
     system: &'a dyn System,
     scene: usize,
     changes: Changes,
@@ -202,7 +203,7 @@ struct Sweep<'a> {
 impl Sweep<'_> {
     /// The rows of these runs, which are kept as they finish; fewer where they were interrupted.
     fn rows(&self, runs: &[usize], threads: Option<usize>, kept: &Kept<'_>) -> Result<Vec<Row>, Problem> {
-        let interrupted = interruption();
+        let interrupted = self.context.interruption();
         let unwritten = OnceLock::new();
         let stopped = || interrupted.load(Ordering::Relaxed) || unwritten.get().is_some();
         let (done, shown) = (AtomicUsize::new(0), std::io::stderr().is_terminal());

@@ -1,0 +1,69 @@
+"""The equations of a mechanism as functions, for integrators and optimisers."""
+
+from __future__ import annotations
+
+from typing import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _dalembert
+
+_Array = NDArray[np.float64]
+
+
+class Equations:
+    """The equations of a scene: functions of a time t and a state y = (q, q') in SI units.
+
+    Parameters, the phase and held values stay as they are; discontinuities are on the side where the state is. Nothing here keeps
+    constraints, or does what events do: `simulate` does.
+    """
+
+    def __init__(
+        self, native: _dalembert.Equations, names: list[str], events: list[tuple[str, int, bool]], start: _Array, until: float, phase: int
+    ):
+        self._native = native
+        #: The names of y.
+        self.names = names
+        #: The scene's start.
+        self.y0 = start
+        #: From 0 to the scene's end, s.
+        self.t_span = (0.0, until)
+        #: The place of the phase among the mechanism's.
+        self.phase = phase
+        self._events = events
+        #: The rate of the state, for `scipy.integrate.solve_ivp`.
+        self.rhs: Callable[[float, ArrayLike], _Array] = native.rhs
+        #: The slopes of the rate by the state, 2n by 2n, exact.
+        self.jacobian: Callable[[float, ArrayLike], _Array] = native.jacobian
+        #: M of M q'' + h = (J^T + B) lambda, n by n.
+        self.mass_matrix: Callable[[float, ArrayLike], _Array] = native.mass_matrix
+        #: h of the same.
+        self.bias: Callable[[float, ArrayLike], _Array] = native.bias
+        #: J of all rows of the constraints.
+        self.constraint_matrix: Callable[[float, ArrayLike], _Array] = native.constraint_matrix
+        #: How far each row of the constraints is missed, and its rate: two columns.
+        self.constraints: Callable[[float, ArrayLike], _Array] = native.constraints
+        #: lambda of all rows of the constraints; 0 of those that do not act.
+        self.multipliers: Callable[[float, ArrayLike], _Array] = native.multipliers
+        #: All outputs, component by component.
+        self.outputs: Callable[[float, ArrayLike], _Array] = native.outputs
+        #: Kinetic and potential energy, J.
+        self.energy: Callable[[float, ArrayLike], tuple[float, float]] = native.energy
+        #: The function of each event and its condition, two columns: it counts only where that is > 0.
+        self.event_values: Callable[[float, ArrayLike], _Array] = native.events
+
+    def events(self) -> list[Callable[[float, ArrayLike], float]]:
+        """The event functions for `solve_ivp`, with `direction`; those that do more than record are `terminal`."""
+        return [self._event(place, *event) for place, event in enumerate(self._events)]
+
+    def _event(self, place: int, name: str, direction: int, acts: bool) -> Callable[[float, ArrayLike], float]:
+        values = self.event_values
+
+        def event(t: float, y: ArrayLike) -> float:
+            return float(values(t, y)[place, 0])
+
+        event.__name__ = name
+        event.terminal = acts  # type: ignore[attr-defined]
+        event.direction = direction  # type: ignore[attr-defined]
+        return event

@@ -1,0 +1,159 @@
+"""Small motions: modes, and matrices for the design of controllers."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Callable, Optional
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._results import Animation, Figure, Report
+
+if TYPE_CHECKING:
+    import control
+    import pandas
+
+_Array = NDArray[np.float64]
+
+
+class Linear(Report):
+    """M q'' + C q' + K q = F u about an equilibrium, and x' = A x + B u with x = (q, q').
+
+    All numbers are in SI units. Models with states of first order have A and B only.
+    """
+
+    def _matrix(self, name: str) -> _Array:
+        if name not in self.data:
+            raise AttributeError(f"a model with states of first order has no {name}: only A and B")
+        return _matrix(self.data[name])
+
+    @property
+    def M(self) -> _Array:
+        """The mass matrix."""
+        return self._matrix("M")
+
+    @property
+    def C(self) -> _Array:
+        """Damping and gyroscopic forces."""
+        return self._matrix("C")
+
+    @property
+    def K(self) -> _Array:
+        """The stiffness matrix."""
+        return self._matrix("K")
+
+    @property
+    def F(self) -> _Array:
+        """What inputs do to the equations of motion, a column each."""
+        return self._matrix("F")
+
+    @property
+    def A(self) -> _Array:
+        """The state matrix."""
+        return _matrix(self.data["state"]["A"])
+
+    @property
+    def B(self) -> _Array:
+        """What inputs do to the state, a column each."""
+        if any(np.any(np.array(self.data.get(name, []))) for name in ("F_rates", "F_accelerations")):
+            raise ValueError("the equations contain rates of inputs, which no B u tells; see F_rates and F_accelerations")
+        return _matrix(self.data["state"]["B"])
+
+    @property
+    def coordinates(self) -> list[str]:
+        """The names of q, independent coordinates where constraints act."""
+        return self.data.get("coordinates", [])
+
+    @property
+    def variables(self) -> list[str]:
+        """The names of x."""
+        return self.data["state"]["variables"]
+
+    @property
+    def units(self) -> list[str]:
+        """The units of x."""
+        return self.data["state"]["units"]
+
+    @property
+    def inputs(self) -> list[str]:
+        """The names of u."""
+        return self.data["inputs"]
+
+    @property
+    def input_units(self) -> list[str]:
+        """The units of u."""
+        return self.data["input_units"]
+
+    @property
+    def equilibrium(self) -> dict[str, float]:
+        """Where."""
+        return self.data["equilibrium"]
+
+    def state_space(self) -> control.StateSpace:
+        """The same for python-control, with names; every variable of x is an output."""
+        import control
+
+        n, m = len(self.variables), len(self.inputs)
+        names = {"states": self.variables, "outputs": self.variables, "inputs": self.inputs}
+        return control.ss(self.A, self.B, np.eye(n), np.zeros((n, m)), **names)
+
+
+def _matrix(rows: list[list[float]]) -> _Array:
+    """Rows of numbers, each of which may be empty."""
+    return np.array(rows, dtype=float).reshape(len(rows), len(rows[0]) if rows else 0)
+
+
+class Modes(Report):
+    """What `modes --json` prints, and its pictures."""
+
+    def __init__(self, text: str, again: Callable[..., str]):
+        super().__init__(text)
+        self._again = again
+
+    @property
+    def eigenvalues(self) -> NDArray[np.complex128]:
+        """The eigenvalues, 1/s."""
+        pairs = self.data["eigenvalues"] if "eigenvalues" in self.data else [m["eigenvalue"] for m in self.data["modes"]]
+        return np.array([complex(*pair) for pair in pairs], dtype=complex)
+
+    @property
+    def omega(self) -> _Array:
+        """Natural frequencies, rad/s."""
+        return np.array([mode["omega"] for mode in self.data["modes"]])
+
+    @property
+    def hz(self) -> _Array:
+        """The same in Hz."""
+        return np.array([mode["hz"] for mode in self.data["modes"]])
+
+    @property
+    def zeta(self) -> _Array:
+        """Damping ratios; NaN where a mode has none."""
+        return np.array([np.nan if mode["zeta"] is None else mode["zeta"] for mode in self.data["modes"]])
+
+    @property
+    def shapes(self) -> NDArray[np.complex128]:
+        """Mode shapes, a column each, in the file's coordinates."""
+        return np.array([[complex(*x) for x in mode["shape"]] for mode in self.data["modes"]], dtype=complex).T
+
+    def frame(self) -> pandas.DataFrame:
+        """A row for each mode."""
+        import pandas
+
+        modes: list[dict[str, Any]] = self.data["modes"]
+        columns = ["omega", "hz", "zeta", "kind"]
+        frame = pandas.DataFrame([{name: mode[name] for name in columns} for mode in modes], columns=columns)
+        frame.index = pandas.RangeIndex(1, len(modes) + 1, name="mode")
+        return frame
+
+    def shape_figure(self) -> Figure:
+        """The shapes of all modes."""
+        return Figure(self._again("plot", "shapes.svg"))
+
+    def animation(self, mode: Optional[int] = None) -> Animation:
+        """One mode in motion, by its number from 1; the first that is not rigid where none is given."""
+        return Animation(self._again("animate", "mode.html", mode=mode))
+
+    def _repr_html_(self) -> str:
+        drawn = self.shape_figure().svg if "modes" in self.data else ""
+        return drawn + (super()._repr_html_() or "")

@@ -1,0 +1,148 @@
+"""A motion that was computed."""
+
+from __future__ import annotations
+
+import html
+import json
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, Optional
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._dalembert import Run
+from ._options import Value, text_of
+from ._results import Animation, Figure
+
+if TYPE_CHECKING:
+    import pandas
+
+_Array = NDArray[np.float64]
+
+
+class Motion(Mapping[str, _Array]):
+    """A motion: columns by name (`"theta1"`, `"theta1'"`, `"tip.x"`), and what tells how far it can be trusted.
+
+    Arrays are views of the run's memory: nothing is copied, and nothing can be written.
+    """
+
+    def __init__(self, run: Run):
+        self._run = run
+        states = run.states.shape[1]
+        self._places = {name: place for place, name in enumerate(run.names)}
+        self._shown = run.shown
+        self._states = states
+        self.json: str = run.json
+        self.data: dict[str, Any] = json.loads(run.json)
+
+    @property
+    def t(self) -> _Array:
+        """The reported times, s."""
+        return self._run.t
+
+    @property
+    def y(self) -> _Array:
+        """The reported states row by row, coordinates before their rates."""
+        return self._run.states
+
+    @property
+    def q(self) -> _Array:
+        """The coordinates, a column each."""
+        return self.y[:, : self._states // 2]
+
+    @property
+    def v(self) -> _Array:
+        """Their rates, a column each."""
+        return self.y[:, self._states // 2 :]
+
+    @property
+    def outputs(self) -> _Array:
+        """The outputs, a column for each component; NaN where absent."""
+        return self._run.outputs
+
+    def __getitem__(self, name: str) -> _Array:
+        if name == "t":
+            return self.t
+        place = self._places[name]
+        return self.y[:, place] if place < self._states else self.outputs[:, place - self._states]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._shown)
+
+    def __len__(self) -> int:
+        return len(self._shown)
+
+    @property
+    def end(self) -> dict[str, float]:
+        """The last state with its outputs, by name."""
+        return {name: float(self[name][-1]) for name in self}
+
+    def unit(self, name: str) -> str:
+        """The SI unit of a column; empty where it is a pure number."""
+        return self._run.unit(name)
+
+    @property
+    def digits(self) -> Optional[dict[str, Optional[int]]]:
+        """How many significant digits of each column hold at the end; None where that was not estimated."""
+        return self.data["digits"]
+
+    def errors(self, name: str) -> Optional[_Array]:
+        """Bounds of a column's errors at the reported times; None where they were not estimated."""
+        return self._run.errors(name)
+
+    @property
+    def drift(self) -> dict[str, Optional[float]]:
+        """By how much each conserved quantity drifts, and the energy balance."""
+        return self.data["drift"]
+
+    @property
+    def warnings(self) -> list[str]:
+        """What the user should know."""
+        return self.data["warnings"]
+
+    @property
+    def events(self) -> list[dict[str, Any]]:
+        """What happened, in order: `t` and `name`."""
+        return self.data["events"]
+
+    @property
+    def method(self) -> str:
+        """The method of integration."""
+        return self.data["method"]
+
+    def at(self, times: ArrayLike) -> _Array:
+        """The states at any times of the motion by dense output, a row each, coordinates before their rates."""
+        return self._run.at(np.atleast_1d(np.asarray(times, dtype=float)))
+
+    def frame(self) -> pandas.DataFrame:
+        """All columns as a frame of pandas, over time."""
+        import pandas
+
+        index = pandas.Index(self.t, name="t")
+        return pandas.DataFrame({name: self[name] for name in self}, index=index)
+
+    def figure(self, *shown: str, section: Optional[Value] = None) -> Figure:
+        """Charts: `"theta1,theta2"` against time, `"theta1:theta2"` a portrait; with none those that a run has by itself.
+
+        A section draws the points of portraits at multiples of a time only.
+        """
+        return Figure(self._run.figure(shown, None if section is None else text_of(section)))
+
+    def animation(self, *columns: str) -> Animation:
+        """The mechanism in motion, with a chart of each of these columns beside it."""
+        return Animation(self._run.animation(columns))
+
+    def _repr_html_(self) -> str:
+        return f"{self.figure().svg}<pre>{html.escape(self._summary())}</pre>"
+
+    def _summary(self) -> str:
+        lines = [f"{self.data['model']} at t = {self.t[-1]:g}, by {self.method}"]
+        lines += [f"  {name} = {value:.10g} {self.unit(name)}".rstrip() for name, value in self.end.items()]
+        lines += [f"  drift of {name} {value:.1e}" for name, value in self.drift.items() if value is not None]
+        if self.digits is not None:
+            held = [digits for digits in self.digits.values() if digits is not None]
+            lines += [f"  {min(held)} digits or more hold"] if held else []
+        return "\n".join(lines + [f"  warning: {text}" for text in self.warnings])
+
+    def __repr__(self) -> str:
+        return f"<Motion of {self.data['model']}: {len(self.t)} states to t = {self.t[-1]:g}, by {self.method}>"

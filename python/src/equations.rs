@@ -1,0 +1,203 @@
+//! The equations of a mechanism as functions of time and state, for integrators and optimisers of Python.
+
+use dalembert::mechanism::{At, Description, Singular, System, choose_sides, rate_jacobian};
+use numpy::ndarray::Array2;
+use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArrayLike1};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use crate::background::guarded;
+use crate::problem::made;
+
+/// A mechanism with fixed parameters, in one phase.
+#[pyclass(frozen, module = "dalembert._dalembert")]
+pub struct Equations {
+    system: Box<dyn System>,
+}
+
+type State<'py> = PyArrayLike1<'py, f64, AllowTypeChange>;
+type Numbers<'py> = PyResult<Bound<'py, PyArray1<f64>>>;
+type Matrix<'py> = PyResult<Bound<'py, PyArray2<f64>>>;
+
+impl Equations {
+    pub fn new(
+        py: Python<'_>,
+        mut system: Box<dyn System>,
+        scene: usize,
+        parameters: Vec<(usize, f64)>,
+        (phase, derivation): (usize, Option<usize>),
+    ) -> PyResult<Equations> {
+        guarded(py, || {
+            for (index, value) in system.scene_parameters(scene).into_iter().chain(parameters) {
+                system.set_parameter(index, value);
+            }
+            system.set_memory(&system.scene_memory(scene));
+            system.set_phase(phase);
+            system.set_derivation(derivation);
+            Ok(Equations { system })
+        })
+    }
+
+    fn description(&self) -> &Description {
+        self.system.description()
+    }
+
+    /// The exception of a state without accelerations.
+    fn unsolved(&self, py: Python<'_>, singular: Singular) -> PyErr {
+        made(py, "EvaluationError", (singular.cause(self.description()).to_string(),))
+    }
+
+    /// Does something with the system on the sides of discontinuities where a state is.
+    fn on_its_sides<T>(
+        &self,
+        py: Python<'_>,
+        (t, y): (f64, &State<'_>),
+        work: impl FnOnce(&dyn System, &[f64]) -> PyResult<T>,
+    ) -> PyResult<T> {
+        let (y, n) = (y.as_array().to_vec(), self.system.len());
+        if y.len() != 2 * n {
+            return Err(PyValueError::new_err(format!("a state has {} numbers, not {}", 2 * n, y.len())));
+        }
+        guarded(py, || {
+            if self.description().switches.is_empty() {
+                return work(&*self.system, &y);
+            }
+            let mut system = self.system.boxed_clone();
+            choose_sides(&mut *system, t, &y).map_err(|singular| self.unsolved(py, singular))?;
+            work(&*system, &y)
+        })
+    }
+
+    /// The same with accelerations and multipliers.
+    fn with_accelerations<T>(
+        &self,
+        py: Python<'_>,
+        (t, y): (f64, &State<'_>),
+        work: impl FnOnce(&dyn System, At<'_>) -> PyResult<T>,
+    ) -> PyResult<T> {
+        self.on_its_sides(py, (t, y), |system, y| {
+            let (mut a, mut lambda) = (vec![0.0; system.len()], vec![0.0; system.description().rows.len()]);
+            let at = At::packed(t, y, system.len());
+            let solved = system.accelerations_and_multipliers(at, &mut a, &mut lambda);
+            solved.map_err(|singular| self.unsolved(py, singular))?;
+            work(system, at.accelerated(&a).constrained(&lambda))
+        })
+    }
+}
+
+#[pymethods]
+impl Equations {
+    /// The values of the parameters.
+    #[getter]
+    fn parameters(&self) -> Vec<f64> {
+        self.system.parameters()
+    }
+
+    /// The rate [q'; q''] of a state [q; q'].
+    fn rhs<'py>(&self, py: Python<'py>, t: f64, y: State<'py>) -> Numbers<'py> {
+        let rate = self.on_its_sides(py, (t, &y), |system, y| {
+            let mut rate = vec![0.0; y.len()];
+            let solved = system.rate(t, y, &mut rate);
+            solved.map_err(|singular| self.unsolved(py, singular))?;
+            Ok(rate)
+        })?;
+        Ok(PyArray1::from_vec(py, rate))
+    }
+
+    /// The slopes of the rate by the state.
+    fn jacobian<'py>(&self, py: Python<'py>, t: f64, y: State<'py>) -> Matrix<'py> {
+        let slopes = self.on_its_sides(py, (t, &y), |system, y| {
+            let slopes = rate_jacobian(system, t, y);
+            slopes.map_err(|singular| self.unsolved(py, singular))
+        })?;
+        Ok(PyArray2::from_owned_array(py, Array2::from_shape_fn((slopes.nrows(), slopes.ncols()), |at| slopes[at])))
+    }
+
+    /// M(t, q).
+    fn mass_matrix<'py>(&self, py: Python<'py>, t: f64, y: State<'py>) -> Matrix<'py> {
+        let n = self.system.len();
+        let matrix = self.on_its_sides(py, (t, &y), |system, y| {
+            let pattern = &self.description().mass_pattern;
+            let mut values = vec![0.0; pattern.len()];
+            system.mass_matrix(At::packed(t, y, n), &mut values);
+            let mut matrix = Array2::zeros((n, n));
+            for ((row, column), value) in pattern.iter().zip(values) {
+                matrix[(*row as usize, *column as usize)] = value;
+                matrix[(*column as usize, *row as usize)] = value;
+            }
+            Ok(matrix)
+        })?;
+        Ok(PyArray2::from_owned_array(py, matrix))
+    }
+
+    /// h(t, q, q') of M q'' + h = 0.
+    fn bias<'py>(&self, py: Python<'py>, t: f64, y: State<'py>) -> Numbers<'py> {
+        let h = self.on_its_sides(py, (t, &y), |system, y| {
+            let mut h = vec![0.0; system.len()];
+            system.bias(At::packed(t, y, system.len()), &mut h);
+            Ok(h)
+        })?;
+        Ok(PyArray1::from_vec(py, h))
+    }
+
+    /// J(t, q) of all rows of the constraints.
+    fn constraint_matrix<'py>(&self, py: Python<'py>, t: f64, y: State<'py>) -> Matrix<'py> {
+        let description = self.description();
+        let matrix = self.on_its_sides(py, (t, &y), |system, y| {
+            let pattern = &description.constraint_pattern;
+            let mut values = vec![0.0; pattern.len()];
+            system.constraint_matrix(At::packed(t, y, system.len()), &mut values);
+            let mut matrix = Array2::zeros((description.rows.len(), system.len()));
+            for ((row, column), value) in pattern.iter().zip(values) {
+                matrix[(*row as usize, *column as usize)] = value;
+            }
+            Ok(matrix)
+        })?;
+        Ok(PyArray2::from_owned_array(py, matrix))
+    }
+
+    /// c and c' of all rows of the constraints.
+    fn constraints<'py>(&self, py: Python<'py>, t: f64, y: State<'py>) -> Matrix<'py> {
+        let rows = self.description().rows.len();
+        let values = self.on_its_sides(py, (t, &y), |system, y| {
+            let mut triples = vec![0.0; 3 * rows];
+            system.constraints(At::packed(t, y, system.len()), &mut triples);
+            Ok(Array2::from_shape_fn((rows, 2), |(row, k)| triples[3 * row + k]))
+        })?;
+        Ok(PyArray2::from_owned_array(py, values))
+    }
+
+    /// Multipliers of all rows of the constraints.
+    fn multipliers<'py>(&self, py: Python<'py>, t: f64, y: State<'py>) -> Numbers<'py> {
+        Ok(PyArray1::from_vec(py, self.with_accelerations(py, (t, &y), |_, at| Ok(at.lambda.to_vec()))?))
+    }
+
+    /// The function of each event, and its condition: it counts only where that is > 0.
+    fn events<'py>(&self, py: Python<'py>, t: f64, y: State<'py>) -> Matrix<'py> {
+        let count = self.description().events.len();
+        let values = self.with_accelerations(py, (t, &y), |system, at| {
+            let mut pairs = vec![0.0; 2 * count];
+            system.events(at, &mut pairs);
+            Ok(Array2::from_shape_fn((count, 2), |(event, k)| pairs[2 * event + k]))
+        })?;
+        Ok(PyArray2::from_owned_array(py, values))
+    }
+
+    /// All outputs, component by component.
+    fn outputs<'py>(&self, py: Python<'py>, t: f64, y: State<'py>) -> Numbers<'py> {
+        let values = self.with_accelerations(py, (t, &y), |system, at| {
+            let mut values = vec![0.0; system.description().output_len()];
+            system.outputs(at, &mut values);
+            Ok(values)
+        })?;
+        Ok(PyArray1::from_vec(py, values))
+    }
+
+    /// Kinetic and potential energy.
+    fn energy(&self, py: Python<'_>, t: f64, y: State<'_>) -> PyResult<(f64, f64)> {
+        self.on_its_sides(py, (t, &y), |system, y| {
+            let energy = system.energy(At::packed(t, y, system.len()));
+            Ok((energy.kinetic, energy.potential))
+        })
+    }
+}

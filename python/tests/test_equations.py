@@ -1,0 +1,87 @@
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import approx_fprime
+
+import dalembert
+
+
+def test_scipy_integrates_the_equations_to_our_motion():
+    model = dalembert.load("double_pendulum")
+    equations = model.equations(set={"l": 0.7})
+    assert equations.names == ["theta1", "theta2", "theta1'", "theta2'"] and equations.t_span == (0.0, 10.0)
+    theirs = solve_ivp(equations.rhs, (0, 2), equations.y0, "DOP853", rtol=1e-12, atol=1e-12).y[:, -1]
+    ours = model.simulate(set={"l": 0.7}, until=2, digits=False).y[-1]
+    assert np.allclose(theirs, ours, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["double_pendulum", "slider_crank", "motor", "double_pendulum_space"])
+def test_slopes_are_those_of_the_rate(name):
+    equations = dalembert.load(name).equations()
+    y = dalembert.load(name).simulate(until=0.1, digits=False).y[-1]
+    exact = equations.jacobian(0.1, y)
+    assert exact.shape == (len(y), len(y))
+    near = approx_fprime(y, lambda y: equations.rhs(0.1, y), 1e-7)
+    assert np.allclose(exact, near, rtol=2e-5, atol=2e-5 * np.abs(exact).max())
+
+
+def test_stiff_methods_take_the_jacobian():
+    model = dalembert.load("double_pendulum")
+    found = solve_ivp(model.rhs, (0, 1), [0.3, 0.2, 0, 0], "Radau", jac=model.jacobian, rtol=1e-9, atol=1e-9)
+    ours = model.simulate(start={"theta1": 0.3, "theta2": 0.2}, until=1, digits=False)
+    assert found.njev > 0 and np.allclose(found.y[:, -1], ours.y[-1], atol=1e-6)
+
+
+def test_the_mass_matrix_is_that_of_the_kinetic_energy():
+    model = dalembert.load("double_pendulum")
+    y = np.array([0.4, 1.1, 0.7, -0.3])
+    kinetic, potential = model.equations().energy(0.0, y)
+    mass = model.mass_matrix(0.0, y)
+    assert np.array_equal(mass, mass.T) and 0.5 * y[2:] @ mass @ y[2:] == pytest.approx(kinetic, rel=1e-14)
+    rate = model.rhs(0.0, y)
+    assert np.allclose(mass @ rate[2:] + model.equations().bias(0.0, y), 0, atol=1e-12)
+    assert potential == pytest.approx(-10 * (1.5 * np.cos(0.4) + 0.5 * np.cos(1.1)), rel=1e-12)
+
+
+def test_constraints_hold_with_their_multipliers():
+    model = dalembert.load("slider_crank")
+    equations = model.equations()
+    y = model.simulate(until=1, digits=False).y[-1]
+    a, J = equations.rhs(1.0, y)[3:], equations.constraint_matrix(1.0, y)
+    assert np.allclose(equations.constraints(1.0, y), 0, atol=1e-10)
+    force = equations.mass_matrix(1.0, y) @ a + equations.bias(1.0, y)
+    assert np.allclose(force, J.T @ equations.multipliers(1.0, y), atol=1e-9)
+    assert model.constraints == ["pin.x", "pin.y"]
+
+
+def test_event_functions_end_a_flight():
+    model = dalembert.load("bouncing_ball")
+    equations = model.equations()
+    bounce = equations.events()[0]
+    assert (bounce.__name__, bounce.terminal, bounce.direction) == ("bounce", True, -1)
+    found = solve_ivp(equations.rhs, (0, 1), equations.y0, events=equations.events(), rtol=1e-10, atol=1e-12)
+    assert found.t_events[0][0] == pytest.approx(np.sqrt(2 / 9.81), rel=1e-9)
+    assert model.simulate().events[0]["t"] == pytest.approx(found.t_events[0][0], rel=1e-9)
+
+
+def test_discontinuities_are_on_the_side_of_the_state():
+    text = "{name: Slide, parameters: {m: 1 kg, f: 2 N}, coordinates: {x: m}, kinetic_energy: m*x'^2/2, generalized_forces: {x: -f*sign(x')}, scene: {start: {x': 1}, until: 0.1}}"
+    equations = dalembert.load(text).equations()
+    assert [equations.rhs(0, [0, v])[1] for v in (1.0, -1.0, 3.0)] == [-2, 2, -2]
+
+
+def test_outputs_are_those_of_a_run():
+    model = dalembert.load("double_pendulum")
+    motion = model.simulate(until=1, digits=False)
+    assert np.array_equal(model.equations().outputs(1.0, motion.y[-1]), motion.outputs[-1])
+
+
+def test_states_of_another_size_are_refused():
+    with pytest.raises(ValueError, match="a state has 4 numbers, not 3"):
+        dalembert.load("double_pendulum").rhs(0, [1, 2, 3])
+
+
+def test_a_singular_mass_matrix_is_an_error():
+    text = "{name: S, parameters: {m: 1 kg}, coordinates: {x: m}, kinetic_energy: m*x^2*x'^2/2/1 m^2, scene: {start: {x: 1}, until: 1}}"
+    with pytest.raises(dalembert.EvaluationError):
+        dalembert.load(text.replace("/1 m^2", "").replace("m: 1 kg", "m: 1 kg/m^2")).rhs(0, [0, 1])

@@ -1,0 +1,101 @@
+import pathlib
+import re
+
+import control
+import numpy as np
+import pytest
+
+import dalembert
+
+README = pathlib.Path(__file__).parent.with_name("README.md").read_text(encoding="utf-8")
+CART = re.search(r"`cart.yaml`:\n\n```yaml\n(.*?)```", README, re.DOTALL).group(1)
+GAINS = ["kx", "k1", "k2", "kv", "kw1", "kw2"]
+
+
+@pytest.fixture(scope="module")
+def cart():
+    return dalembert.load(CART)
+
+
+@pytest.fixture(scope="module")
+def linear(cart):
+    return cart.linearise()
+
+
+def test_matrices_have_names_and_units(linear):
+    assert linear.coordinates == ["x", "theta1", "theta2"]
+    assert linear.variables == ["x", "theta1", "theta2", "x'", "theta1'", "theta2'"]
+    assert linear.units == ["m", "rad", "rad", "m/s", "rad/s", "rad/s"]
+    assert (linear.inputs, linear.input_units) == (["push"], ["N"])
+    assert linear.equilibrium == {"x": 0, "theta1": 0, "theta2": 0}
+    assert np.array_equal(linear.F, [[1], [0], [0]])
+
+
+def test_matrices_are_those_on_paper(linear):
+    M, m, l, g = 1.0, 0.2, 0.5, 9.81
+    assert np.allclose(
+        linear.M, [[M + 2 * m, 2 * m * l, m * l], [2 * m * l, 2 * m * l**2, m * l**2], [m * l, m * l**2, m * l**2]], rtol=1e-14
+    )
+    assert np.allclose(linear.K, np.diag([0, -2 * m * g * l, -m * g * l]), rtol=1e-14)
+    assert not linear.C.any()
+
+
+def test_the_state_matrix_is_the_jacobian_of_the_rate(cart, linear):
+    assert np.allclose(linear.A, cart.jacobian(0, np.zeros(6)), rtol=1e-12, atol=1e-12)
+    assert np.allclose(linear.A[3:, :3], -np.linalg.solve(linear.M, linear.K), atol=1e-12)
+    assert np.allclose(linear.B[3:], np.linalg.solve(linear.M, linear.F), atol=1e-13) and not linear.B[:3].any()
+
+
+def test_modes_have_the_same_matrices(cart, linear):
+    modes = cart.modes()
+    assert np.array_equal(modes["M"], linear.M) and np.array_equal(modes["K"], linear.K)
+
+
+def test_a_regulator_of_python_control_holds_our_simulation(cart, linear):
+    system = linear.state_space()
+    assert system.state_labels == linear.variables and system.input_labels == ["push"]
+    gain, _, poles = control.lqr(system, np.diag([10, 100, 100, 1, 10, 10]), np.eye(1))
+    gains = dict(zip(GAINS, gain[0]))
+    closed = cart.linearise(set=gains)
+    assert np.allclose(np.sort_complex(np.linalg.eigvals(closed.A)), np.sort_complex(poles), rtol=1e-6)
+    motion = cart.simulate(set=gains)
+    assert np.abs(motion.y[-1]).max() < 1e-2 and np.abs(motion["theta1"]).max() < 0.5
+    fallen = cart.simulate()
+    assert np.abs(fallen["theta1"]).max() > 1
+
+
+def test_small_motions_of_the_closed_loop_are_those_of_control(cart, linear):
+    gain, _, _ = control.lqr(linear.A, linear.B, np.eye(6), np.eye(1))
+    start = {"theta1": 1e-5, "theta2": -2e-5}
+    motion = cart.simulate(set=dict(zip(GAINS, gain[0])), start=start, tolerance=1e-11)
+    closed = control.ss(linear.A - linear.B @ gain, linear.B, np.eye(6), 0)
+    theirs = control.initial_response(closed, motion.t, [0, 1e-5, -2e-5, 0, 0, 0]).outputs
+    assert np.allclose(motion.y, theirs.T, atol=1e-8)
+
+
+def test_constraints_leave_independent_coordinates():
+    linear = dalembert.load("four_bar").linearise()
+    assert len(linear.coordinates) == 1 and linear.A.shape == (2, 2)
+    modes = dalembert.load("four_bar").modes()
+    assert np.array_equal(linear.K, modes["K"])
+
+
+def test_models_with_states_of_first_order_have_a_and_b():
+    model = dalembert.load("motor")
+    linear, modes = model.linearise(), model.modes()
+    assert np.array_equal(linear.A, modes["A"]) and np.array_equal(linear.B, modes["B"])
+    assert linear.variables == modes["variables"] and linear.inputs == ["u"]
+    with pytest.raises(AttributeError, match="states of first order"):
+        linear.M
+
+
+def test_rates_of_inputs_are_no_b():
+    linear = dalembert.load("base_excitation").linearise()
+    assert linear.inputs == ["force", "C", "D"] and linear["F_rates"] == [[0, 0, 1]]
+    with pytest.raises(ValueError, match="rates of inputs"):
+        linear.B
+
+
+def test_a_model_without_inputs_has_an_empty_b():
+    linear = dalembert.load("double_pendulum").linearise()
+    assert linear.B.shape == (4, 0) and linear.F.shape == (2, 0)

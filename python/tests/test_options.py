@@ -1,0 +1,80 @@
+"""Keyword arguments are options of the program."""
+
+import ast
+import inspect
+import re
+from pathlib import Path
+
+import pytest
+
+import dalembert
+from dalembert import _dalembert
+from dalembert._options import options, text_of
+
+#: Options that Python does without: what writes files, and forms of printing, are methods of results.
+ELSEWHERE = {
+    "help",
+    "size",
+    "quiet",
+    "json",
+    "plot",
+    "csv",
+    "animate",
+    "save",
+    "show",
+    "section",
+    "with",
+    "no-digits",
+    "symmetries",
+    "matrices",
+    "mode",
+    "motion",
+    "bode",
+    "hertz",
+    "locus",
+    "campbell",
+    "orders",
+    "resume",
+    "log",
+    "merge",
+}
+
+
+@pytest.mark.parametrize("command", ["simulate", "modes", "sweep", "chart", "needs", "orbit", "solve"])
+def test_every_option_is_a_keyword_and_every_keyword_an_option(program, command):
+    known = set(re.findall(r"^ +(?:-\w, )?--([\w-]+)", program(command, "--help"), re.MULTILINE))
+    parameters = inspect.signature(getattr(dalembert.Mechanism, command)).parameters
+    ours = {name.rstrip("_").replace("_", "-") for name in parameters} - {"self"}
+    assert ours <= known and known - ours <= ELSEWHERE
+
+
+def test_values_keep_all_digits():
+    assert text_of(0.1 + 0.2) == "0.30000000000000004" and float(text_of(5e-324)) == 5e-324
+    assert options(set={"m": 2, "l": "3 cm"}, here=True, steady=False, from_="mode 1", max_steps=None) == [
+        "--set=m=2",
+        "--set=l=3 cm",
+        "--here",
+        "--from=mode 1",
+    ]
+    assert options(columns={"t": "A", "x": "B"}, vary={"l": [1.0, 2.5]}) == ["--columns=t=A,x=B", "--vary=l=1.0,2.5"]
+    with pytest.raises(TypeError):
+        text_of(object())
+
+
+def test_stubs_name_what_the_native_module_has():
+    text = Path(_dalembert.__file__).with_name("_dalembert.pyi").read_text(encoding="utf-8")
+    module = ast.parse(text)
+    functions = {node.name for node in module.body if isinstance(node, ast.FunctionDef)}
+    classes = {node.name: node.body for node in module.body if isinstance(node, ast.ClassDef)}
+    assert functions | classes.keys() == {name for name in dir(_dalembert) if not name.startswith("_")}
+    for name, body in classes.items():
+        stated = {node.target.id if isinstance(node, ast.AnnAssign) else node.name for node in body}
+        assert stated == {name for name in dir(getattr(_dalembert, name)) if not name.startswith("_")}
+
+
+def test_every_public_item_is_documented():
+    for name in dalembert.__all__:
+        item = getattr(dalembert, name)
+        assert inspect.getdoc(item), name
+        members = [member for key, member in vars(item).items() if not key.startswith("_")] if inspect.isclass(item) else []
+        assert all(inspect.getdoc(member) for member in members if callable(member) or isinstance(member, property)), name
