@@ -36,6 +36,11 @@ fn page() {
         let chart = first_chart(&case.run());
         std::fs::write(format!("docs/gallery/{}.svg", entry.name), chart.to_svg()).expect("a file");
         println!("\n## {0}\n\n{about}\n\n![{0}](gallery/{0}.svg)", entry.name);
+        // Of some the book has a picture that moves.
+        let moving = format!("book/src/pictures/{}.gif", entry.name);
+        if std::path::Path::new("docs").join(&moving).exists() {
+            println!("\n![{} in motion]({moving})", entry.name);
+        }
     }
 }
 

@@ -1,12 +1,14 @@
-//! Work on the project itself: `cargo xtask golden`.
+//! Work on the project itself: `cargo xtask golden`, `cargo xtask book`.
 
+mod book;
 mod golden;
 
 use std::process::ExitCode;
 
 const USAGE: &str = "\
 cargo xtask golden --record   write down what the program prints of every model and error
-cargo xtask golden            compare with what was written down, and tell what differs";
+cargo xtask golden            compare with what was written down, and tell what differs
+cargo xtask book              build the book in docs/book as a web site, with mdBook";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -14,6 +16,7 @@ fn main() -> ExitCode {
     let outcome = match arguments.as_slice() {
         ["golden", "--record"] => golden::record(),
         ["golden"] => golden::compare(),
+        ["book"] => book::build(),
         _ => Err(USAGE.to_owned()),
     };
     match outcome {

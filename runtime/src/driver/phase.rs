@@ -428,8 +428,12 @@ impl Integration {
     ) -> bool {
         let n = system.len();
         let energy = gained(system, (self.clock.now(), self.stepper.state_mut()), &jump);
+        // Speeds that have come to rest are beside what they were.
+        let seen = self.resumed().into_iter().flat_map(|(_, seen)| seen);
+        let before = seen.flat_map(|values| values.into_iter().skip(n)).filter(|v| v.is_finite());
+        let before = before.fold(0.0_f64, |most, v| most.max(v.abs()));
         let speeds = &mut self.stepper.state_mut()[n..];
-        let size = speeds.iter().zip(&jump).fold(0.0_f64, |most, (v, jump)| most.max(v.abs()).max(jump.abs()));
+        let size = speeds.iter().zip(&jump).fold(before, |most, (v, jump)| most.max(v.abs()).max(jump.abs()));
         speeds.iter_mut().zip(&jump).for_each(|(v, jump)| *v += jump);
         // What is left of constraints that were met already is rounding, and no impulse.
         if !jump.iter().any(|jump| jump.abs() > ROUNDING * size) {

@@ -49,6 +49,8 @@ const ROUNDED: f64 = 1e3 * f64::EPSILON;
 const WINDOW: f64 = 0.1;
 /// An output is off by so many times what the motion is, of its terms.
 const TERMS: f64 = 4.0;
+/// A motion is known where its errors are less than this part of what it goes through: three digits hold.
+const KNOWN: f64 = 1e-3;
 /// A state is moved in so many ways.
 const SHAKES: usize = 4;
 /// Numbers are printed with so many significant digits at most.
@@ -179,7 +181,9 @@ impl Digits {
         let first = self.rows.len() - errors.len();
         // Errors that are no numbers are those of outputs that are none.
         self.rows[first..].iter_mut().zip(errors).for_each(|(bound, error)| *bound = bound.max(*error));
-        let motion = TERMS * self.worst(run).max(self.still);
+        let worst = self.worst(run);
+        // Of a motion that is not known terms that cancel are not known either.
+        let motion = if worst < KNOWN { TERMS * worst.max(self.still) } else { 0.0 };
         self.cancelled = errors.iter().map(|error| motion * error / f64::EPSILON).collect();
     }
 
@@ -379,6 +383,8 @@ fn ranges(run: &Run, still: f64) -> Vec<f64> {
     // Where reports are few, most of a motion may lie between them.
     let gone = |column: usize| run.swept.get(column).copied().unwrap_or(0.0);
     let ranges = ends.iter().enumerate().map(|(column, (low, high))| match (high - low).max(0.0) {
+        // A state that does not move at all is beside its own size.
+        _ if run.len() == 1 => low.abs().max(high.abs()),
         range if range < 0.5 * gone(column) => gone(column),
         range => range,
     });

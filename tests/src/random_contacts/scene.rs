@@ -301,12 +301,14 @@ impl Scene {
     }
 
     fn gap(&self, k: usize) -> String {
-        let above = |place: &str, &Plane { point: [px, py], normal: [nx, ny] }: &Plane| {
-            format!("{nx}*({place}.x - {px}*one) + {ny}*({place}.y - {py}*one)")
+        let above = |[x, y]: [String; 2], &Plane { point: [px, py], normal: [nx, ny] }: &Plane| {
+            format!("{nx}*({x} - {px}*one) + {ny}*({y} - {py}*one)")
         };
         match &self.contacts[k].touch {
-            Touch::Corner { plane, .. } => above(&format!("p{k}"), plane),
-            Touch::Disc { body, radius, plane } => format!("{} - {radius}*one", above(&format!("b{body}"), plane)),
+            Touch::Corner { plane, .. } => above([format!("p{k}.x"), format!("p{k}.y")], plane),
+            Touch::Disc { body, radius, plane } => {
+                format!("{} - {radius}*one", above([format!("x{body}"), format!("y{body}")], plane))
+            }
             Touch::Discs { bodies: [a, b], radii } => format!("norm(b{b} - b{a}) - {}*one", radii[0] + radii[1]),
             Touch::Pressed { .. } => String::new(),
         }
