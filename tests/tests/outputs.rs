@@ -373,3 +373,41 @@ fn a_session_answers_with_the_bits_that_the_program_prints() {
     assert!(why.contains("interrupted") && time < 0.2, "{why}");
     fs::remove_dir_all(folder).expect("to be removed");
 }
+
+/// Every command prints one object with `--json`, its format first, and says in it why it failed.
+#[test]
+fn json_is_one_object_whatever_happens() {
+    let folder = folder("json");
+    let model = folder.join("y.yaml").to_str().expect("a path").to_owned();
+    let table = folder.join("table.csv").to_str().expect("a path").to_owned();
+    let answer = |arguments: &[&str]| {
+        let mut out = Vec::new();
+        let arguments = [&["dalembert"], arguments, &["--json"]].concat();
+        let ended = dalembert::cli::run(MODELS, arguments, &mut out);
+        let text = String::from_utf8(out).expect("text");
+        assert!(text.starts_with("{\"format\":1,"), "{text}");
+        let value: serde_json::Value = serde_json::from_str(&text).expect("one object");
+        assert_eq!(value.get("error").is_some(), ended.is_err(), "{text}");
+        value
+    };
+    assert!(answer(&["list"])["models"].as_array().expect("models").len() > 50);
+    let run = answer(&["simulate", &model, "--every", "0.1"]);
+    assert_eq!(run["trajectory"]["t"].as_array().expect("times").len(), 3);
+    assert_eq!(run["trajectory"]["x"][2], run["q"]["x"]);
+    let swept = answer(&["sweep", &model, "--vary", "mu=0.1,0.2", "--csv", &table]);
+    assert_eq!(swept["columns"].as_array().expect("columns").len(), swept["rows"][1].as_array().expect("a row").len());
+    assert_eq!(swept["rows"][1][1], 0.2);
+    let map = folder.join("map.svg").to_str().expect("a path").to_owned();
+    let limits = answer(&["stability", "rk4", "--plot", &map]);
+    assert!((limits["limits"][0]["theory"].as_f64().expect("a limit") - 8.0_f64.sqrt()).abs() < 1e-3);
+    assert_eq!(answer(&["simulate", "nothing"])["error"]["kind"], "usage");
+    let stopped = answer(&["simulate", &model, "--max-steps", "1", "--step", "0.001", "--method", "rk4"]);
+    assert_eq!(stopped["error"]["kind"], "run");
+    assert!(stopped["t"].as_f64().expect("a time") < 0.2);
+    fs::write(folder.join("bad.yaml"), "name: 3 4\n").expect("a file");
+    let bad = folder.join("bad.yaml").to_str().expect("a path").to_owned();
+    for command in ["check", "modes", "show"] {
+        assert_eq!(answer(&[command, &bad])["error"]["kind"], "model");
+    }
+    fs::remove_dir_all(folder).expect("removed");
+}

@@ -13,7 +13,7 @@ pub fn command() -> Command {
         .subcommand_required(true)
         .arg_required_else_help(true)
         .after_help(EXIT_CODES)
-        .subcommand(Command::new("list").about("Names the models of the library"))
+        .subcommand(Command::new("list").about("Names the models of the library").arg(flag("json", "Print one JSON object")))
         .subcommand(
             Command::new("show")
                 .about("Prints the derived equations, operation counts and what was recognised")
@@ -63,6 +63,7 @@ pub fn command() -> Command {
                 .arg(Arg::new("method").value_name("METHOD").required(true).help("dop853, radau5, …"))
                 .arg(value("longest", "NUMBER", "How far the map goes: h·ω [default: 7]"))
                 .arg(picture("plot", "Where the map goes [default: METHOD-stability.svg]").short('o'))
+                .arg(flag("json", "Print one JSON object"))
                 .arg(quiet()),
         )
         .subcommand(
@@ -280,6 +281,7 @@ fn sweep() -> Command {
         .arg(value("modes", "COUNT", "Frequencies in Hz and damping ratios of so many modes about the equilibrium of each run's parameters, the slowest first"))
         .arg(value("show", "A,B", "What is printed and drawn: a coordinate, rate or output at the end, or `min A`, `max A`, `events E`, `t`, `energy drift`, `warnings`, `frequency 1`, `damping 1` [default: coordinates, outputs and frequencies]"))
         .arg(value("csv", "FILE.csv", "Where the table goes, row by row, with FILE.csv.json beside it, which says what it is a table of; - for standard output, where the report goes to standard error [default: NAME-sweep.csv]").short('o'))
+        .arg(flag("json", "Print one JSON object, with all rows"))
         .arg(flag("resume", "Continue a sweep that was interrupted or killed: only runs that the table does not have; begins where there is none"))
         .arg(picture("plot", "Draw what is shown over the first of what varies"))
         .arg(value("log", "x,y", "Logarithmic axes of the plot: x, y or x,y [default: x where the first of what varies does so evenly in the logarithm]").requires("plot"))

@@ -131,9 +131,11 @@ fn as_json(context: Context<'_>, name: &str, options: &ArgMatches, out: &mut dyn
     let program = match derived(&text.path, &text.source, &text.sizes) {
         Ok(program) => program,
         Err(problems) => {
-            let report = object([("name", text.name.into()), ("problems", mistakes(&text.source, &problems))]);
-            write(&report, out)?;
-            return Err(Problem::Model(file::render(&text.path, &text.source, &problems)));
+            let wrong = Problem::Model(file::render(&text.path, &text.source, &problems));
+            let problems = mistakes(&text.source, &problems);
+            let name = text.name.into();
+            write(&object([("name", name), ("problems", problems), ("error", wrong.as_json())]), out)?;
+            return Err(wrong);
         }
     };
     let (model, report) = (&program.model, &program.report);

@@ -116,8 +116,26 @@ fn command(
     };
     let mut nothing = std::io::sink();
     let out = if outputs::is_quiet(options) { &mut nothing } else { out };
+    let mut counted = outputs::Counted { out, bytes: 0 };
+    let outcome = answer(context, command, options, &mut counted);
+    match &outcome {
+        // A command that fails prints one object all the same.
+        Err(problem) if outputs::wants(options, "json") && counted.bytes == 0 => {
+            json::write(&json::object([("error", problem.as_json())]), &mut counted)?;
+        }
+        _ => (),
+    }
+    outcome
+}
+
+fn answer(
+    context: Context<'_>,
+    command: &str,
+    options: &clap::ArgMatches,
+    out: &mut dyn std::io::Write,
+) -> Result<(), Problem> {
     match command {
-        "list" => list::run(context, out),
+        "list" => list::run(context, options, out),
         "show" => show::run(context, options, out),
         "export" => export::run(context, options, out),
         "generate" => generate::run(context, options, out),

@@ -1,7 +1,7 @@
 //! Files that a command will write, looked at before it computes anything.
 
 use std::fs::{self, File};
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use clap::ArgMatches;
@@ -140,7 +140,8 @@ pub fn is_quiet(options: &ArgMatches) -> bool {
     wants(options, "quiet") && !wants(options, "json") && !has_table_on_output(options)
 }
 
-fn wants(options: &ArgMatches, flag: &str) -> bool {
+/// Whether a flag is given that the command has.
+pub fn wants(options: &ArgMatches, flag: &str) -> bool {
     options.try_get_one::<bool>(flag).ok().flatten().is_some_and(|given| *given)
 }
 
@@ -211,5 +212,23 @@ fn same_file(one: &Path, other: &Path) -> bool {
     match (fs::canonicalize(one), fs::canonicalize(other)) {
         (Ok(one), Ok(other)) => one == other,
         _ => false,
+    }
+}
+
+/// Output, and how much there was.
+pub struct Counted<'a> {
+    pub out: &'a mut dyn Write,
+    pub bytes: usize,
+}
+
+impl Write for Counted<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.out.write(bytes)?;
+        self.bytes += written;
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
     }
 }

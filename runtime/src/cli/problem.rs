@@ -2,6 +2,10 @@
 
 use std::fmt;
 
+use serde_json::Value;
+
+use super::json::object;
+
 /// Why a command failed.
 #[derive(Debug)]
 pub enum Problem {
@@ -24,6 +28,19 @@ impl Problem {
             Problem::Usage(_) => 2,
             Problem::Model(_) | Problem::Run(_) | Problem::File(_) | Problem::Closed => 1,
         }
+    }
+}
+
+impl Problem {
+    /// What `--json` prints of it under `error`.
+    pub(super) fn as_json(&self) -> Value {
+        let kind = match self {
+            Problem::Usage(_) => "usage",
+            Problem::Model(_) => "model",
+            Problem::Run(_) => "run",
+            Problem::File(_) | Problem::Closed => "file",
+        };
+        object([("kind", kind.into()), ("message", self.to_string().into())])
     }
 }
 

@@ -6,6 +6,7 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use clap::ArgMatches;
+use clap::parser::ValueSource;
 use dalembert_symbolic::diagnose::did_you_mean_or;
 use dalembert_symbolic::print::fnv1a;
 use serde_json::{Value, json};
@@ -52,11 +53,12 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     match outcome {
         Ok(mut run) => {
             let slopes = slopes::asked(&mut loaded, &settings, options)?;
-            report((&loaded, &settings), (&mut run, false), (&shown, &others, slopes.as_ref()), options, out)
+            report((&loaded, &settings), (&mut run, None), (&shown, &others, slopes.as_ref()), options, out)
         }
         Err(Error::Run(mut failure)) => {
-            report((&loaded, &settings), (&mut failure.run, true), (&shown, &others, None), options, out)?;
-            Err(Problem::Run(failure.to_string()))
+            let problem = Problem::Run(failure.to_string());
+            report((&loaded, &settings), (&mut failure.run, Some(&problem)), (&shown, &others, None), options, out)?;
+            Err(problem)
         }
         Err(error) => Err(Problem::Usage(format!("error: {error}"))),
     }
@@ -122,6 +124,9 @@ pub fn outcome(
         && let Some(slopes) = slopes::asked(&mut loaded, &settings, options)?
     {
         json["slopes"] = slopes::as_json(&slopes);
+    }
+    if let Some((told, _)) = &failed {
+        json["error"] = Problem::Run(told.clone()).as_json();
     }
     Ok(Outcome { loaded, run, failed, json })
 }
@@ -227,7 +232,7 @@ impl Progress {
 
 fn report(
     (loaded, settings): (&Loaded, &Settings),
-    (run, failed): (&mut Run, bool),
+    (run, failed): (&mut Run, Option<&Problem>),
     (shown, others, slopes): (&Shown, &[(String, Run)], Option<&Slopes>),
     options: &ArgMatches,
     out: &mut dyn Write,
@@ -268,6 +273,12 @@ fn report(
     }
     if options.get_flag("json") {
         let mut object = as_json(loaded, settings, run);
+        if options.value_source("every") == Some(ValueSource::CommandLine) {
+            object["trajectory"] = trajectory(run);
+        }
+        if let Some(problem) = failed {
+            object["error"] = problem.as_json();
+        }
         if asked {
             object["symmetries"] = symmetries::as_json(watched.as_ref());
         }
@@ -323,7 +334,7 @@ fn report(
         )?;
     }
     if run.digits.is_none() && !options.get_flag("no-digits") {
-        let why = if failed {
+        let why = if failed.is_some() {
             "the run ended early"
         } else if run.has_untried_integrals() {
             "an integral is beyond where its rule was tried"
@@ -449,6 +460,15 @@ fn work(work: &Work) -> Value {
         "retries": work.retries,
         "samples": work.samples,
     })
+}
+
+/// All reported times, and the columns there.
+fn trajectory(run: &Run) -> Value {
+    let names = std::iter::once("t".to_owned()).chain(run.shown_names());
+    object(names.filter_map(|name| {
+        let values = run.column(&name)?;
+        Some((name, values.into_iter().map(number).collect::<Vec<_>>().into()))
+    }))
 }
 
 /// The parts that were run apart.

@@ -3,10 +3,12 @@
 use std::io::Write;
 
 use clap::ArgMatches;
+use serde_json::{Value, json};
 
+use super::json::{number, object, write};
 use super::{Problem, outputs};
 use crate::mechanism::Method;
-use crate::precision::StabilityMap;
+use crate::precision::{Limit, StabilityMap};
 
 /// Prints the longest stable steps by damping, measured and by theory, and writes the map.
 pub fn run(options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
@@ -21,6 +23,20 @@ pub fn run(options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     outputs::check_paths(std::iter::once(("plot", path.as_str())), "")?;
     let map = StabilityMap::measure(method, longest).map_err(|error| usage(error.to_string()))?;
     outputs::draw(&path, map.chart())?;
+    if options.get_flag("json") {
+        let limit = |limit: &Limit| {
+            let [measured, theory] = [limit.measured, limit.theory].map(|limit| limit.map_or(Value::Null, number));
+            object([("damping", number(limit.damping)), ("measured", measured), ("theory", theory)])
+        };
+        let limits = map.limits.iter().map(limit).collect();
+        let object = object([
+            ("method", json!(method.to_string())),
+            ("longest", number(longest)),
+            ("limits", limits),
+            ("plot", json!(path)),
+        ]);
+        return Ok(write(&object, out)?);
+    }
     writeln!(out, "longest stable h·ω of x'' + 2ζω x' + ω² x = 0 by {method}")?;
     writeln!(out, "{:>6}  {:>9}  {:>9}", "ζ", "measured", "theory")?;
     let write = |limit: Option<f64>| limit.map_or(format!("> {longest}"), |limit| format!("{limit:.4}"));

@@ -153,11 +153,16 @@ fn as_json(name: &str, found: &InputOutput) -> Value {
     super::super::json::object(entries)
 }
 
+/// All digits of a number; no sign of 0.
+fn written(x: &f64) -> String {
+    format!("{:e}", x + 0.0)
+}
+
 /// Definitions for MATLAB and Octave.
 fn script(name: &str, found: &InputOutput) -> String {
     let mut text = format!("% Small motions of {name}: x' = A x + B u, y = C x + D u, SI.\n");
     for (letter, matrix) in matrices(found) {
-        let row = |i: usize| matrix.row(i).iter().map(|x| format!("{x:e}")).collect::<Vec<_>>().join(" ");
+        let row = |i: usize| matrix.row(i).iter().map(written).collect::<Vec<_>>().join(" ");
         let rows = (0..matrix.nrows()).map(row).collect::<Vec<_>>().join("; ");
         let _ = match matrix.is_empty() {
             true => writeln!(text, "{letter} = zeros({}, {});", matrix.nrows(), matrix.ncols()),
@@ -182,7 +187,7 @@ fn table(found: &InputOutput) -> String {
     let blocks = [(&states, &found.a, &found.b, "'"), (&outputs, &found.c, &found.d, "")];
     for (names, left, right, rate) in blocks {
         for (i, name) in names.iter().enumerate() {
-            let values = left.row(i).iter().chain(right.row(i).iter()).map(|x| format!("{x:e}")).collect::<Vec<_>>();
+            let values = left.row(i).iter().chain(right.row(i).iter()).map(written).collect::<Vec<_>>();
             let _ = writeln!(text, "{},{}", quoted(&format!("{name}{rate}")), values.join(","));
         }
     }

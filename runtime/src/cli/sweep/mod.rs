@@ -16,8 +16,10 @@ use clap::ArgMatches;
 use experiment::Experiment;
 use kept::Kept;
 use points::{Points, Varied, usage};
+use serde_json::{Value, json};
 use table::{Row, Table, results};
 
+use super::json::{number, object};
 use super::load::Loaded;
 use super::modes::at_rest;
 use super::set_up::{Changes, choose, unknown};
@@ -72,9 +74,13 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     if let Some(output) = output {
         write!(output, "{}", table.to_csv())?;
     }
-    print(&table, varied, &shown, &mut *out)?;
-    if path != "-" {
-        writeln!(out, "written: {path}")?;
+    if options.get_flag("json") {
+        super::json::write(&as_json(&loaded.name, &table, &path), &mut *out)?;
+    } else {
+        print(&table, varied, &shown, &mut *out)?;
+        if path != "-" {
+            writeln!(out, "written: {path}")?;
+        }
     }
     if let Some(all) = all.filter(|all| table.rows.len() < *all) {
         let way_out = if experiment::is_kept(&path) { "; the same command with --resume continues" } else { "" };
@@ -82,6 +88,18 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
         return Err(Problem::Run(format!("interrupted: {done} of {all} runs are in the table{way_out}")));
     }
     failures(&table)
+}
+
+/// All rows of the table, those that failed with why.
+fn as_json(name: &str, table: &Table, path: &str) -> Value {
+    let row = |row: &Row| -> Value {
+        let cells = row.cells.iter().map(|cell| cell.map_or(Value::Null, number));
+        let run = std::iter::once(json!(row.run));
+        let error = std::iter::once(if row.error.is_empty() { Value::Null } else { json!(row.error) });
+        run.chain(cells).chain(error).collect::<Vec<_>>().into()
+    };
+    let rows: Vec<Value> = table.rows.iter().map(row).collect();
+    object([("model", json!(name)), ("columns", json!(table.names)), ("rows", rows.into()), ("csv", json!(path))])
 }
 
 /// Refuses files that cannot be written, or that the table is made from.
