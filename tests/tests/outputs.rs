@@ -368,9 +368,10 @@ fn a_session_answers_with_the_bits_that_the_program_prints() {
     assert_eq!(simulated.run.state_rows().len(), 2 * simulated.run.len());
     let answer = session.command("check", &["--json".to_owned()], &Arc::default());
     assert_eq!((answer.text, answer.problem.is_none()), (told(&["check", &path, "--json"]).expect("a report"), true));
-    let cut = session.simulate(&options, &mut || ControlFlow::Break(())).expect("what was computed");
+    let steps = ["--method=rk4", "--step=0.01"].map(str::to_owned);
+    let cut = session.simulate(&steps, &mut || ControlFlow::Break(())).expect("what was computed");
     let (why, time) = cut.failed.expect("an interruption");
-    assert!(why.contains("interrupted") && time < 0.2, "{why}");
+    assert_eq!((why.contains("interrupted"), time, cut.run.last().t), (true, 0.01, 0.01), "{why}");
     fs::remove_dir_all(folder).expect("to be removed");
 }
 
