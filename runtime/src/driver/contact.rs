@@ -29,6 +29,7 @@ impl Integration {
         if !what.is_of(system.contacts().modes(system.phase())[contact]) {
             return Ok(nothing);
         }
+        let began = self.clock.now();
         let struck = match what {
             ContactEvent::Lands => self.lands(system, (event, contact), recorder)?,
             _ => None,
@@ -49,7 +50,13 @@ impl Integration {
             self.h *= if opens { SHORTER } else { 1.0 };
             return Ok(Done { acts: opens, strikes: false });
         }
+        let placed = self.kinematics(system);
         let entered = self.enter(system, phase, &[], recorder)?;
+        self.carry(system, self.clock.now() - began);
+        if entered {
+            // What came to rest may slide the other way, or not at all, after the last of its hops is taken from it.
+            self.settle_contacts(system, &placed, recorder)?;
+        }
         Ok(Done { acts: true, strikes: entered || struck.is_some() })
     }
 

@@ -416,7 +416,21 @@ impl Integration {
         if left > 0.0 {
             recorder.accumulated(system, event, end);
         }
-        self.enter(system, phase, known, recorder).map(|_| true)
+        self.enter(system, phase, known, recorder)?;
+        self.carry(system, left);
+        Ok(true)
+    }
+
+    /// What accelerations make of the speeds, and of the places by these, in the time of hops that were left out.
+    pub(super) fn carry(&mut self, system: &dyn System, left: f64) {
+        let n = system.len();
+        let mut a = vec![0.0; n];
+        let at = At::packed(self.clock.now(), self.stepper.start().y, n);
+        if left > 0.0 && system.accelerations(at, &mut a).is_ok() {
+            let (q, v) = self.stepper.state_mut().split_at_mut(n);
+            q.iter_mut().zip(&a).for_each(|(q, a)| *q += 0.5 * left * left * a);
+            v.iter_mut().zip(&a).for_each(|(v, a)| *v += left * a);
+        }
     }
 
     /// Lets speeds jump; true where that is more than rounding.

@@ -439,7 +439,7 @@ impl Sampler {
 }
 
 /// Where a contact slides whose rate of sliding is an event's function.
-fn slides<S: System + ?Sized>(system: &S, event: usize) -> Option<f64> {
+pub(super) fn slides<S: System + ?Sized>(system: &S, event: usize) -> Option<f64> {
     let [Action::Contact(contact)] = system.description().events[event].actions[..] else { return None };
     let contact = contact as usize;
     let stops = system.contacts().all[contact].happened(event) == Some(ContactEvent::Stops);

@@ -8,7 +8,7 @@ use super::certify::ZeroKind;
 use super::features::FeatureDetector;
 use super::impulse::{Impulse, impulse, turn};
 use super::modes::{self, Chosen, Known, Trial};
-use super::sample::Sampler;
+use super::sample::{self, Sampler};
 use super::scan::{Crossing, Scanner, watched_name};
 use super::sides;
 use super::stops::Stops;
@@ -443,8 +443,11 @@ impl EventLocator {
             };
             self.sampler.at_state(system, t, y);
             let value = self.sampler.value(function);
+            let slides = sample::slides(system, function).is_some_and(|side| side * value > 0.0);
             let near = match self.sampler.terms_of_gap(system, function, (t, y)) {
                 Some(terms) => CLOSED * seen.max(variation).max(terms),
+                // What was decided to slide as it does, however slowly, may stop at once.
+                None if slides => 0.0,
                 None => ON * seen.max(variation),
             };
             let on = value.is_nan()
