@@ -50,17 +50,8 @@ impl Integration {
             self.h *= if opens { SHORTER } else { 1.0 };
             return Ok(Done { acts: opens, strikes: false });
         }
-        let before = self.kinematics(system);
         let entered = self.enter(system, phase, &[], recorder)?;
         self.carry(system, self.clock.now() - began);
-        let now = self.kinematics(system);
-        let modes = system.contacts().modes(system.phase());
-        // What came to rest may slide the other way, or not at all, when the last of its hops is taken from it.
-        if modes.iter().zip(&now).any(|(mode, now)| mode.sliding() * now.sliding < 0.0) {
-            let slid = |(now, before): (&Kinematics, Kinematics)| Kinematics { sliding: before.sliding, ..*now };
-            let slid: Vec<Kinematics> = now.iter().zip(before).map(slid).collect();
-            self.settle_contacts(system, &slid, recorder)?;
-        }
         Ok(Done { acts: true, strikes: entered || struck.is_some() })
     }
 

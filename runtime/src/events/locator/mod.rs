@@ -492,7 +492,8 @@ impl EventLocator {
             };
             self.sampler.at_state(system, t, y);
             let past = match event.direction {
-                Direction::Both => false,
+                // What slides against its mode has stopped: coming to rest on a contact may turn the sliding on others.
+                Direction::Both => sample::slides(system, function).is_some_and(|own| own * side < 0.0),
                 Direction::Rising => side > 0.0,
                 Direction::Falling => side < 0.0,
             };
