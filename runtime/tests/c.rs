@@ -7,6 +7,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use dalembert::mechanism::{At, Interpreted, SwitchKind, System};
 use dalembert_symbolic::{lower::compile_in, print};
@@ -338,8 +339,17 @@ fn c_agrees_with_the_program() {
     fs::create_dir_all(&folder).unwrap();
     let files = files();
     assert!(files.len() > 75, "{}", files.len());
-    let wrong: Vec<String> =
-        files.iter().filter_map(|(name, path)| compare(compiler, &folder, name, path).err()).collect();
+    let next = AtomicUsize::new(0);
+    let files: Vec<(&String, &PathBuf)> = files.iter().collect();
+    let work = || {
+        let mine = std::iter::from_fn(|| files.get(next.fetch_add(1, Ordering::Relaxed)));
+        mine.filter_map(|(name, path)| compare(compiler, &folder, name, path).err()).collect::<Vec<String>>()
+    };
+    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let wrong: Vec<String> = std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+        workers.into_iter().flat_map(|worker| worker.join().expect("a comparison that panics")).collect()
+    });
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     fs::remove_dir_all(folder).unwrap();
 }

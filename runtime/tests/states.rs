@@ -2,6 +2,7 @@
 #![cfg(all(feature = "cli", feature = "modal"))]
 
 mod program;
+mod state_space;
 
 use dalembert::mechanism::{At, Dynamic, Interpreted, System};
 use dalembert::{Method, Simulate};

@@ -1,13 +1,11 @@
 //! x' = A x + B u, y = C x + D u as files: against frequency responses, and motions that inputs do not reach.
-#![cfg(all(feature = "cli", feature = "modal"))]
-
-mod program;
 
 use std::fs;
 
 use nalgebra::{Complex, DMatrix};
-use program::{File, json, near, run};
 use serde_json::Value;
+
+use super::program::{File, json, near, run};
 
 /// A mass on a base that moves: x', and x'', of the base act through damper and accelerometer.
 const BASE: &str = "name: Base\nparameters: {m: 2 kg, c: 3 N*s/m, k: 50 N/m, Y: 0.1 m, w: 4 rad/s}\n\
