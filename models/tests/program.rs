@@ -132,7 +132,7 @@ fn quiet_is_quiet_until_something_is_wrong() {
     let (table, report, _) = told(&done(&folder, &["simulate", "good.yaml", "-q", "--csv", "-"]));
     assert_eq!((table, report), (fs::read_to_string(folder.join("a.csv")).expect("a table"), String::new()));
     let (json, ..) = told(&done(&folder, &["simulate", "good.yaml", "-q", "--json"]));
-    assert!(json.starts_with("{\"model\""), "{json}");
+    assert!(json.starts_with("{\"format\":1,\"model\""), "{json}");
     let (out, error, status) = told(&done(&folder, &["check", "-q", "bad.yaml"]));
     assert!(out.is_empty() && error.contains("bad.yaml:3:16") && status == Some(1), "{error}");
 }

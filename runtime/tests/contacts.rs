@@ -472,7 +472,7 @@ fn reports_tell_what_contacts_did() {
     near(&earlier["held"], 0.75, 1e-12);
     let text = run(&["simulate", &block.0]).expect("a report");
     assert!(
-        text.contains("  rub sticks for 2 s and holds up to 1.00 of its limit, slips forwards for 1 s\n"),
+        text.contains("  rub slips forwards for 1 s, sticks for 2 s and holds up to 1.00 of its limit\n"),
         "{text}"
     );
 

@@ -49,7 +49,7 @@ fn b02_double_pendulum() {
     close(&omegas(&found), &[2.705943757628078708018491, 7.257952078965087355040786]);
     assert_eq!(found["coordinates"], serde_json::json!(["theta1", "theta2"]));
     let keys: Vec<&String> = found.as_object().unwrap().keys().collect();
-    assert_eq!(keys, ["model", "equilibrium", "residual", "coordinates", "M", "C", "K", "modes"]);
+    assert_eq!(keys, ["format", "model", "equilibrium", "residual", "coordinates", "M", "C", "K", "modes"]);
 }
 
 #[test]

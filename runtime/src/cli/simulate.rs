@@ -355,7 +355,7 @@ fn report(
     Ok(())
 }
 
-/// `rub sticks for 2 s and holds up to 0.75 of its limit, slips forwards for 1 s`.
+/// `rub slips forwards for 1 s, sticks for 2 s and holds up to 0.75 of its limit`.
 fn history(contact: &ContactHistory) -> String {
     let one = |(mode, span): &(ContactMode, f64)| {
         let held = contact.held.filter(|_| *mode == ContactMode::Sticks);

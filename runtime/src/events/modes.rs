@@ -222,7 +222,7 @@ fn slide<S: System + ?Sized>(
         let against = places.iter().filter(|k| !modes[**k].is_nan()).map(|k| (*k, back(*k)));
         match against.filter(|(_, back)| *back > STANDS).max_by(|a, b| a.1.total_cmp(&b.1)) {
             Some((switch, _)) => modes[switch] = SLIDES,
-            None => return true,
+            None => return !system.sliding().is_empty(),
         }
     }
     false

@@ -16,7 +16,7 @@ use super::super::{Problem, zip};
 use super::failed;
 use super::model::Model;
 use super::shaken::{Shaken, named};
-use crate::linear::{InputOutput, LinearError, NamedDrive, Unreached, short};
+use crate::linear::{InputOutput, LinearError, NamedDrive, Unreached, short_beside};
 
 /// Endings of files that are written.
 pub const ENDINGS: [&str; 4] = ["json", "npz", "m", "csv"];
@@ -122,8 +122,8 @@ fn told(all: &str, some: &str, found: Result<Vec<Unreached>, LinearError>, out: 
         return Ok(writeln!(out, "{all} all motions")?);
     }
     for Unreached { eigenvalue, directions, state } in found {
-        let (re, im) = (short(eigenvalue.re), short(eigenvalue.im));
-        let value = if eigenvalue.im == 0.0 { re } else { format!("{re} ± {im}i") };
+        let [re, im] = [eigenvalue.re, eigenvalue.im].map(|part| short_beside(part, eigenvalue.norm()));
+        let value = if im == "0" { re } else { format!("{re} ± {im}i") };
         let (s, are) = if directions == 1 { ("", "") } else { ("s", " each") };
         writeln!(out, "  {some} {directions} motion{s}{are} at {value} 1/s, most of {state}")?;
     }

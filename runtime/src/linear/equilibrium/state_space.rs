@@ -199,7 +199,7 @@ impl Search {
         }
         let input = self.base.input(&self.q).to_dense();
         // Rates of inputs are inputs of their own where they act.
-        let acts = |k: &usize| k % 3 == 0 || input.column(*k).iter().any(|x| *x != 0.0);
+        let acts = |k: &usize| k.is_multiple_of(3) || input.column(*k).iter().any(|x| *x != 0.0);
         let acting: Vec<usize> = (0..input.ncols()).filter(acts).collect();
         let forces: Vec<DVector<f64>> = acting.iter().map(|k| input.column(*k).into_owned()).collect();
         let (matrix, drive) = first_order(&self.base, &self.q, &forces)?;
