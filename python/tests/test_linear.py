@@ -89,11 +89,12 @@ def test_models_with_states_of_first_order_have_a_and_b():
         linear.M
 
 
-def test_rates_of_inputs_are_no_b():
+def test_rates_of_inputs_that_act_are_inputs_of_the_state():
     linear = dalembert.load("base_excitation").linearise()
     assert linear.inputs == ["force", "C", "D"] and linear["F_rates"] == [[0, 0, 1]]
-    with pytest.raises(ValueError, match="rates of inputs"):
-        linear.B
+    assert linear.state_inputs == ["force", "C", "D", "D'"]
+    columns = np.hstack([linear.F, linear["F_rates"]])[:, [0, 1, 2, 5]]
+    assert np.allclose(linear.B[1:], np.linalg.solve(linear.M, columns), atol=1e-13) and not linear.B[:1].any()
 
 
 def test_a_model_without_inputs_has_an_empty_b():

@@ -5,9 +5,9 @@
 //! not right is told on the standard error as it is found.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::thread;
+use std::ops::Range;
 
+use dalembert_tests::at_once::at_once;
 use dalembert_tests::random_contacts::{Verdict, draw, judge};
 
 const RUNS: u64 = 1000;
@@ -31,27 +31,15 @@ fn main() {
 }
 
 /// Kind and verdict of each, on all threads.
-fn survey(runs: std::ops::Range<u64>) -> Vec<(&'static str, Verdict)> {
-    let next = AtomicU64::new(runs.start);
-    let work = || {
-        let mut done = Vec::new();
-        loop {
-            let run = next.fetch_add(1, Ordering::Relaxed);
-            if run >= runs.end {
-                return done;
-            }
-            let scene = draw(run);
-            let verdict = judge(&scene);
-            if !matches!(verdict, Verdict::Right | Verdict::Lawful) {
-                eprintln!("{run}: {}: {verdict:?}", scene.kind);
-            }
-            done.push((scene.kind, verdict));
+fn survey(runs: Range<u64>) -> Vec<(&'static str, Verdict)> {
+    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    at_once(runs, threads, |run| {
+        let scene = draw(run);
+        let verdict = judge(&scene);
+        if !matches!(verdict, Verdict::Right | Verdict::Lawful) {
+            eprintln!("{run}: {}: {verdict:?}", scene.kind);
         }
-    };
-    let threads = thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    thread::scope(|scope| {
-        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
-        workers.into_iter().flat_map(|worker| worker.join().expect("a run that panics")).collect()
+        (scene.kind, verdict)
     })
 }
 

@@ -1,5 +1,6 @@
 //! What the tests of the workspace share.
 
+pub mod at_once;
 pub mod both;
 pub mod case;
 pub mod digits;

@@ -54,10 +54,13 @@ class Linear(Report):
 
     @property
     def B(self) -> _Array:
-        """What inputs do to the state, a column each."""
-        if any(np.any(np.array(self.data.get(name, []))) for name in ("F_rates", "F_accelerations")):
-            raise ValueError("the equations contain rates of inputs, which no B u tells; see F_rates and F_accelerations")
+        """What `state_inputs` do to the state, a column each."""
         return _matrix(self.data["state"]["B"])
+
+    @property
+    def state_inputs(self) -> list[str]:
+        """The names of u in B u: the inputs, and after each those of its rates that act."""
+        return self.data["state"]["inputs"]
 
     @property
     def coordinates(self) -> list[str]:
@@ -93,8 +96,8 @@ class Linear(Report):
         """The same for python-control, with names; every variable of x is an output."""
         import control
 
-        n, m = len(self.variables), len(self.inputs)
-        names = {"states": self.variables, "outputs": self.variables, "inputs": self.inputs}
+        n, m = len(self.variables), len(self.state_inputs)
+        names = {"states": self.variables, "outputs": self.variables, "inputs": self.state_inputs}
         return control.ss(self.A, self.B, np.eye(n), np.zeros((n, m)), **names)
 
 

@@ -11,14 +11,15 @@ const FORMAT: u32 = 1;
 /// One object on one line, its format first.
 pub fn write(value: &Value, out: &mut dyn io::Write) -> io::Result<()> {
     let mut bytes = Vec::new();
-    let formatted = value.as_object().map(|entries| {
-        let first = ("format".to_owned(), FORMAT.into());
-        std::iter::once(first)
-            .chain(entries.iter().map(|(key, value)| (key.clone(), value.clone())))
-            .collect::<Map<_, _>>()
-    });
-    let value = formatted.map_or_else(|| value.clone(), Value::Object);
-    serde::Serialize::serialize(&value, &mut Serializer::with_formatter(&mut bytes, Digits))?;
+    let mut serializer = Serializer::with_formatter(&mut bytes, Digits);
+    match value {
+        Value::Object(entries) => {
+            let format = Value::from(FORMAT);
+            let entries = entries.iter().map(|(key, value)| (key.as_str(), value));
+            serde::Serializer::collect_map(&mut serializer, std::iter::once(("format", &format)).chain(entries))?;
+        }
+        other => serde::Serialize::serialize(other, &mut serializer)?,
+    }
     out.write_all(&bytes)?;
     writeln!(out)
 }

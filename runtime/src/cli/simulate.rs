@@ -19,7 +19,7 @@ use super::{Context, Problem, compare, drawn, enforcement, outputs, slopes, symm
 use crate::mechanism::{self, Action, ContactMode, Description, Enforcement, Stabilisation, Target};
 use crate::numbers::short;
 use crate::run::{RunPart, Work};
-use crate::show::Animation;
+use crate::show::{Animation, has_units};
 use crate::simulate::{LAGRANGE, estimate_global_error};
 use crate::{ContactHistory, Error, Impulse, Run, Settings, Slopes};
 
@@ -313,7 +313,8 @@ fn report(
     for impulse in hit {
         let rows: Vec<String> = impulse.constraints.iter().map(|(name, p)| format!("{name} {}", short(*p))).collect();
         let (t, energy) = (short(impulse.t), short(impulse.energy));
-        writeln!(out, "  impulse at t = {t}: {}; kinetic energy {energy} J", rows.join(", "))?;
+        let joule = if has_units(loaded.system.description()) { " J" } else { "" };
+        writeln!(out, "  impulse at t = {t}: {}; kinetic energy {energy}{joule}", rows.join(", "))?;
     }
     for contact in run.contacts() {
         writeln!(out, "  {}", history(&contact))?;

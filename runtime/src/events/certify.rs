@@ -119,7 +119,8 @@ const FLAT: u32 = 4;
 const POLE: f64 = 1e8;
 /// Room for the points of an ordinary search.
 const ROOM: usize = 256;
-/// So many samples beyond four a piece are taken before it is asked whether a function is rounding: no function of a library model needs more.
+/// So many samples beyond four a piece are taken before it is asked whether a function is rounding: as many points as there is [`ROOM`] for.  What
+/// needs more is looked at twice, which costs no more than these.
 const FIRST_LOOK: u64 = 256;
 /// Pieces are not halved more often.
 const DEEPEST: u32 = 50;

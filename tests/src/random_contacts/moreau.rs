@@ -82,11 +82,7 @@ fn step(scene: &Scene, t: f64, h: f64, state: &mut State, impulses: &mut [[f64; 
                     contact.friction * impulses[*k][0]
                 }
             };
-            if limit > 0.0 {
-                project(1, &row.tangent, 0.0, [-limit, limit], impulses);
-            } else {
-                project(1, &row.tangent, 0.0, [0.0, 0.0], impulses);
-            }
+            project(1, &row.tangent, 0.0, [-limit, limit], impulses);
         }
         if changed <= SETTLED * largest {
             break;

@@ -120,6 +120,7 @@ pub const KINDS: [&str; 8] = [
     "disc on a wedge of planes",
 ];
 
+/// m/s².
 const GRAVITY: f64 = 9.81;
 
 /// The mechanism of a number.

@@ -4,6 +4,7 @@ mod bodies;
 mod constrained;
 mod damping;
 mod drive;
+mod for_programs;
 mod integrals;
 mod locus;
 mod matrices;
@@ -13,7 +14,6 @@ mod report;
 #[cfg(feature = "modal")]
 mod sampled;
 mod shaken;
-mod spaces;
 mod state_space;
 #[cfg(feature = "modal")]
 mod states;
@@ -43,7 +43,7 @@ use motion::Compared;
 use serde_json::json;
 use steady::Speeds;
 
-pub(super) use spaces::linearised;
+pub(super) use for_programs::linearised;
 
 /// Options that draw.
 const PICTURES: [&str; 5] = ["plot", "motion", "bode", "locus", "campbell"];

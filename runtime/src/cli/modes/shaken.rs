@@ -7,6 +7,7 @@ use dalembert_symbolic::model::Work;
 use super::super::Problem;
 use super::super::load::Loaded;
 use super::super::set_up::{Reader, unknown};
+use super::state_space::input_unit;
 use crate::linear::{Drive, Linearised, Source, force_unit};
 use crate::show::has_units;
 
@@ -24,8 +25,7 @@ pub struct Shaken {
 pub fn named(loaded: &Loaded, reader: &mut Reader, linear: &Linearised, name: &str) -> Result<Shaken, Problem> {
     match linear.source(name) {
         Some(source @ Source::Input(_)) => {
-            let unit = reader.model(loaded)?.unit_of(name).map(|unit| dalembert_symbolic::print::si_unit(&unit));
-            Ok(Shaken { drive: source.into(), label: name.to_owned(), per: unit.unwrap_or_default() })
+            Ok(Shaken { drive: source.into(), label: name.to_owned(), per: input_unit(loaded, reader, name)? })
         }
         Some(source @ Source::Force(coordinate)) => {
             let unit = &loaded.system.description().coordinates[coordinate].unit;

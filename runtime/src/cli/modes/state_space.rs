@@ -11,12 +11,12 @@ use serde_json::{Value, json};
 use super::super::json::number;
 use super::super::load::Loaded;
 use super::super::plotted::{listed, parts};
-use super::super::set_up::Reader;
+use super::super::set_up::{Reader, unknown};
 use super::super::{Problem, zip};
 use super::failed;
 use super::model::Model;
 use super::shaken::{Shaken, named};
-use crate::linear::{InputOutput, LinearError, NamedDrive, Unreached, short_beside};
+use crate::linear::{InputOutput, LinearError, Linearised, NamedDrive, Source, Unreached, short_beside};
 
 /// Endings of files that are written.
 pub const ENDINGS: [&str; 4] = ["json", "npz", "m", "csv"];
@@ -61,15 +61,29 @@ pub fn of_states(
     let mut chosen = Vec::new();
     for name in inputs(loaded, options) {
         let Some(place) = known.iter().position(|input| **input == *name) else {
-            return Err(super::super::set_up::unknown("input", &name, known.iter().map(|name| &**name)));
+            return Err(unknown("input", &name, known.iter().map(|name| &**name)));
         };
-        let unit = reader.model(loaded)?.unit_of(&name).map(|unit| dalembert_symbolic::print::si_unit(&unit));
-        chosen.push((place, unit.unwrap_or_default()));
+        chosen.push((place, input_unit(loaded, reader, &name)?));
     }
     let answers = answers(loaded, options)?;
     let answers: Vec<&str> = answers.iter().map(String::as_str).collect();
     let found = found.input_output(system, &chosen, &answers).map_err(failed)?;
     write(path, &loaded.name, &found, options, out)
+}
+
+/// All inputs of a model.
+pub fn all_inputs(loaded: &Loaded, reader: &mut Reader, linear: &Linearised) -> Result<Vec<NamedDrive>, Problem> {
+    let one = |(k, name): (usize, &String)| {
+        let unit = input_unit(loaded, reader, name)?;
+        Ok(NamedDrive { drive: Source::Input(k).into(), name: name.clone(), unit })
+    };
+    linear.inputs.iter().enumerate().map(one).collect()
+}
+
+/// The unit of an input, SI; empty for a pure number and where it is not known.
+pub fn input_unit(loaded: &Loaded, reader: &mut Reader, name: &str) -> Result<String, Problem> {
+    let unit = reader.model(loaded)?.unit_of(name).map(|unit| dalembert_symbolic::print::si_unit(&unit));
+    Ok(unit.unwrap_or_default())
 }
 
 /// `--in`, or all inputs.
@@ -110,16 +124,20 @@ fn write(
     let (s, m, p) = (found.states.len(), found.inputs.len(), found.outputs.len());
     writeln!(out, "{path}: x' = A x + B u, y = C x + D u, of {s} states, {m} inputs and {p} outputs")?;
     if m > 0 {
-        told("  inputs reach", "inputs do not reach", found.uncontrollable(), out)?;
+        told(["inputs reach", "inputs do not reach"], found.uncontrollable(), out)?;
     }
-    told("  outputs show", "outputs do not show", found.unobservable(), out)
+    told(["outputs show", "outputs do not show"], found.unobservable(), out)
 }
 
 /// Whether all motions are reached, or which are not.
-fn told(all: &str, some: &str, found: Result<Vec<Unreached>, LinearError>, out: &mut dyn Write) -> Result<(), Problem> {
+fn told(
+    [all, some]: [&str; 2],
+    found: Result<Vec<Unreached>, LinearError>,
+    out: &mut dyn Write,
+) -> Result<(), Problem> {
     let found = found.map_err(failed)?;
     if found.is_empty() {
-        return Ok(writeln!(out, "{all} all motions")?);
+        return Ok(writeln!(out, "  {all} all motions")?);
     }
     for Unreached { eigenvalue, directions, state } in found {
         let [re, im] = [eigenvalue.re, eigenvalue.im].map(|part| short_beside(part, eigenvalue.norm()));
@@ -140,16 +158,18 @@ fn lists(found: &InputOutput) -> [(&'static str, &[[String; 2]]); 3] {
     [("state", &found.states), ("input", &found.inputs), ("output", &found.outputs)]
 }
 
+/// A matrix, row by row.
+pub fn matrix(matrix: &DMatrix<f64>) -> Value {
+    matrix.row_iter().map(|row| row.iter().map(|x| number(*x)).collect::<Vec<_>>()).collect::<Vec<_>>().into()
+}
+
 fn as_json(name: &str, found: &InputOutput) -> Value {
-    let rows = |matrix: &DMatrix<f64>| -> Value {
-        matrix.row_iter().map(|row| row.iter().map(|x| number(*x)).collect::<Vec<_>>()).collect::<Vec<_>>().into()
-    };
     let mut entries = vec![("format".to_owned(), json!(1)), ("model".to_owned(), json!(name))];
     for (kind, list) in lists(found) {
         entries.push((format!("{kind}s"), list.iter().map(|[name, _]| name.clone()).collect::<Vec<_>>().into()));
         entries.push((format!("{kind}_units"), list.iter().map(|[_, unit]| unit.clone()).collect::<Vec<_>>().into()));
     }
-    entries.extend(matrices(found).map(|(name, matrix)| (name.to_owned(), rows(matrix))));
+    entries.extend(matrices(found).map(|(name, matrix)| (name.to_owned(), self::matrix(matrix))));
     super::super::json::object(entries)
 }
 

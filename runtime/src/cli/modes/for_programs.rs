@@ -1,4 +1,4 @@
-//! Small motions as matrices, for programs that design controllers: M q'' + C q' + K q = F u, and x' = A x + B u.
+//! What `modes` linearises as one JSON object, for programs that design controllers: M q'' + C q' + K q = F u, and x' = A x + B u.
 
 use clap::ArgMatches;
 use nalgebra::DMatrix;
@@ -8,15 +8,14 @@ use super::super::json::{number, object};
 use super::super::load::Loaded;
 use super::super::set_up::Reader;
 use super::super::{Context, Problem};
+use super::state_space::{all_inputs, input_unit, matrix};
 use super::{Prepared, failed, prepared};
+#[cfg(feature = "modal")]
+use crate::linear::linearise_states;
 use crate::linear::{
-    Equilibrium, LinearError, equilibrium_here, equilibrium_near, has_dependent_coordinates, linearise,
+    Equilibrium, InputOutput, Observed, equilibrium_here, equilibrium_near, has_dependent_coordinates, linearise,
     linearise_constrained,
 };
-#[cfg(feature = "modal")]
-use crate::linear::{StateSpace, linearise_states};
-use crate::mechanism::rate_name;
-use crate::show::unit;
 
 /// Linearises as `modes` does, by the same options, and returns all matrices with names and units.
 pub fn linearised(context: Context<'_>, options: &ArgMatches) -> Result<Value, Problem> {
@@ -33,29 +32,24 @@ pub fn linearised(context: Context<'_>, options: &ArgMatches) -> Result<Value, P
             linearise(system, &found.map_err(failed)?).map_err(failed)?
         }
     };
-    let units = input_units(&loaded, &mut reader, &linear.inputs)?;
+    let drives = all_inputs(&loaded, &mut reader, &linear)?;
+    let state = linear.input_output(&drives, &Observed::coordinates(&linear)).map_err(failed)?;
     let input = linear.input.to_dense();
     let of_order = |order: usize| DMatrix::from_fn(linear.len(), linear.inputs.len(), |i, j| input[(i, 3 * j + order)]);
-    let drive = linear.m().lu().solve(&of_order(0));
-    let drive = drive.ok_or_else(|| failed(LinearError::NoConvergence { what: "the accelerations' derivatives" }))?;
-    let (n, mut b) = (linear.len(), DMatrix::zeros(2 * linear.len(), linear.inputs.len()));
-    b.rows_mut(n, n).copy_from(&drive);
-    let speeds = linear.coordinates.iter().map(|name| rate_name(name));
-    let variables: Vec<String> = linear.coordinates.iter().cloned().chain(speeds).collect();
     Ok(object([
         ("model", json!(loaded.name)),
         ("equilibrium", place(&linear.equilibrium)),
         ("coordinates", json!(linear.coordinates)),
         ("coordinate_units", json!(linear.units)),
         ("inputs", json!(linear.inputs)),
-        ("input_units", json!(units)),
+        ("input_units", json!(drives.iter().map(|drive| drive.unit.clone()).collect::<Vec<_>>())),
         ("M", matrix(&linear.m())),
         ("C", matrix(&linear.c())),
         ("K", matrix(&linear.k())),
         ("F", matrix(&of_order(0))),
         ("F_rates", matrix(&of_order(1))),
         ("F_accelerations", matrix(&of_order(2))),
-        ("state", state(&loaded, &variables, &linear.state_matrix().map_err(failed)?, &b)),
+        ("state", of_state(&state)),
         warnings,
     ]))
 }
@@ -68,14 +62,18 @@ fn of_first_order(
     here: bool,
     warnings: (&'static str, Value),
 ) -> Result<Value, Problem> {
-    let StateSpace { place, variables, matrix, inputs, input, .. } =
-        linearise_states(&*loaded.system, guess, here).map_err(failed)?;
+    let system = &*loaded.system;
+    let found = linearise_states(system, guess, here).map_err(failed)?;
+    let names = &system.description().inputs;
+    let units = names.iter().map(|name| input_unit(loaded, reader, name)).collect::<Result<Vec<_>, _>>()?;
+    let inputs: Vec<(usize, String)> = units.iter().cloned().enumerate().collect();
+    let state = found.input_output(system, &inputs, &[]).map_err(failed)?;
     Ok(object([
         ("model", json!(loaded.name)),
-        ("equilibrium", object(place.into_iter().map(|(name, value)| (name, number(value))))),
-        ("inputs", json!(inputs)),
-        ("input_units", json!(input_units(loaded, reader, &inputs)?)),
-        ("state", state(loaded, &variables, &matrix, &input)),
+        ("equilibrium", object(found.place.into_iter().map(|(name, value)| (name, number(value))))),
+        ("inputs", json!(names.iter().map(|name| &**name).collect::<Vec<_>>())),
+        ("input_units", json!(units)),
+        ("state", of_state(&state)),
         warnings,
     ]))
 }
@@ -88,25 +86,22 @@ fn of_first_order(
     _: bool,
     _: (&'static str, Value),
 ) -> Result<Value, Problem> {
-    Err(failed(LinearError::NeedsFeature { feature: "modal" }))
+    Err(failed(crate::linear::LinearError::NeedsFeature { feature: "modal" }))
 }
 
-/// x' = A x + B u.
-fn state(loaded: &Loaded, variables: &[String], a: &DMatrix<f64>, b: &DMatrix<f64>) -> Value {
-    let units: Vec<String> = variables.iter().map(|name| unit(loaded.system.description(), name)).collect();
-    object([("variables", json!(variables)), ("units", json!(units)), ("A", matrix(a)), ("B", matrix(b))])
-}
-
-fn input_units(loaded: &Loaded, reader: &mut Reader, inputs: &[String]) -> Result<Vec<String>, Problem> {
-    let model = reader.model(loaded)?;
-    let mut unit = |input: &String| model.unit_of(input).map(|unit| dalembert_symbolic::print::si_unit(&unit));
-    Ok(inputs.iter().map(|input| unit(input).unwrap_or_default()).collect())
+/// x' = A x + B u, where u are the inputs and after each those of its rates that act.
+fn of_state(found: &InputOutput) -> Value {
+    let column = |list: &[[String; 2]], k: usize| json!(list.iter().map(|entry| &*entry[k]).collect::<Vec<_>>());
+    object([
+        ("variables", column(&found.states, 0)),
+        ("units", column(&found.states, 1)),
+        ("inputs", column(&found.inputs, 0)),
+        ("input_units", column(&found.inputs, 1)),
+        ("A", matrix(&found.a)),
+        ("B", matrix(&found.b)),
+    ])
 }
 
 fn place(at: &Equilibrium) -> Value {
     object(at.coordinates.iter().cloned().zip(at.q.iter().map(|q| number(*q))))
-}
-
-fn matrix(matrix: &DMatrix<f64>) -> Value {
-    matrix.row_iter().map(|row| row.iter().map(|x| number(*x)).collect::<Vec<_>>()).collect::<Vec<_>>().into()
 }
