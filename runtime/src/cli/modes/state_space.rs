@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use super::super::json::number;
 use super::super::load::Loaded;
 use super::super::plotted::{listed, parts};
-use super::super::set_up::{Reader, unknown};
+use super::super::set_up::Reader;
 use super::super::{Problem, zip};
 use super::failed;
 use super::model::Model;
@@ -61,7 +61,7 @@ pub fn of_states(
     let mut chosen = Vec::new();
     for name in inputs(loaded, options) {
         let Some(place) = known.iter().position(|input| **input == *name) else {
-            return Err(unknown("input", &name, known.iter().map(|name| &**name)));
+            return Err(super::super::set_up::unknown("input", &name, known.iter().map(|name| &**name)));
         };
         chosen.push((place, input_unit(loaded, reader, &name)?));
     }
