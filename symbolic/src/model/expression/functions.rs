@@ -30,7 +30,7 @@ impl Lower<'_> {
             let tables = tables.map(|(name, _)| name.as_str());
             let help = did_you_mean(name, FUNCTIONS.iter().map(|f| f.name).chain(tables));
             let help = match (name, written_here(name)) {
-                ("delay", _) => lag("x"),
+                ("delay" | "delayed" | "lag", _) => lag("x"),
                 (_, Some(here)) => format!("it is written `{here}`"),
                 _ if help.is_empty() && self.scope.names.contains_key(name) => {
                     format!("a product needs `*`: `{name}*(…)`; where it is another time that is meant, {}", lag(name))
