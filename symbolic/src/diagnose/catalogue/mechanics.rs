@@ -44,7 +44,7 @@ super::entries! {
         "`{key}` beside balances of forces, moments or power" "on which body does this act?" "say it with `springs`, `dampers`, `forces` or `torques`, which know their bodies"
         "Momentum balances see bodies, gravity, springs, dampers, forces, torques and reactions, nothing else.";
     E416 energy_with_time() "an energy balance with explicit time"
-        "the energies contain time, so that something does work that this balance does not see" "" "use `power`"
+        "the energies contain time, or a mass that changes, so that something does work that this balance does not see" "" "use `power`"
         "`energy` states that kinetic plus potential energy changes by the power of what has no potential.";
     E417 too_many_coordinates(limit) "more coordinates than can be derived"
         "a model may have {limit} coordinates" "one too many" "make families smaller"
