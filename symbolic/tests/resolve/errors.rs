@@ -342,7 +342,10 @@ fn heads_and_sizes() {
         one("name: A\nbodies: {b: {mass: 1, inertia: 1, position: '[x, 0]'}}"),
         [("E407", "inertia".to_owned())]
     );
-    assert_eq!(one("name: A\nbodies: {b: {mass: x, position: '[x, 0]'}}"), [("E215", "x".to_owned())]);
+    assert_eq!(
+        one("name: A\nbodies: {b: {mass: x, position: '[x, 0]'}}"),
+        [("E242", "x".to_owned()), ("E459", "x".to_owned())]
+    );
     assert_eq!(one("name: A\nbodies: {b: {position: '[x, 0]'}}"), [("E302", "b".to_owned())]);
     assert_eq!(marked("name: A\ncoordinates: {a: deg}"), [("E314", "deg".to_owned())]);
     assert_eq!(marked("name: A\n")[0].0, "E401");

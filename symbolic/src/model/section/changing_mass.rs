@@ -52,6 +52,9 @@ impl Resolver<'_> {
             let turns_otherwise = of_inertia.iter().any(|s| changes(*s));
             let changing = of_mass.iter().any(|s| changes(*s));
             let by_place = of_mass.iter().any(|s| matches!(s, Symbol::Coordinate(_)));
+            let first = text.inertia.iter().flatten().next().filter(|_| !by_place && turns_otherwise);
+            let written = first.or(text.mass.as_ref()).map(|written| &written.text);
+            let place = || written.map_or_else(|| body.place.clone(), |text| text.place.at(text.ast.span));
             let problem = match &text.exchange {
                 // A mass that is wrong was reported, and is 0 here.
                 Some(exchange) if !changing && body.mass != Id::ZERO => {
@@ -59,9 +62,9 @@ impl Resolver<'_> {
                 }
                 None if by_place || turns_otherwise => {
                     let what = if by_place { "mass" } else { "inertia" };
-                    Some(mechanics::exchange_unsaid(body.place.clone(), what, &body.name))
+                    Some(mechanics::exchange_unsaid(place(), what, &body.name))
                 }
-                _ if changing && jumps(graph, body.mass) => Some(mechanics::mass_jumps(body.place.clone(), &body.name)),
+                _ if changing && jumps(graph, body.mass) => Some(mechanics::mass_jumps(place(), &body.name)),
                 _ => None,
             };
             self.builder.problems.extend(problem);
