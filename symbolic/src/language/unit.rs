@@ -278,13 +278,22 @@ fn named(name: &str) -> Option<Unit> {
 
 fn help(name: &str) -> String {
     let meant = MEANT.iter().find(|(other, _)| other.eq_ignore_ascii_case(name)).map(|(_, unit)| *unit);
-    match meant.or_else(|| nearest(name, COMMON.iter().copied())) {
+    let product = || product(name).map(|(first, second)| format!("{first}*{second}"));
+    let near = || nearest(name, COMMON.iter().copied()).map(str::to_owned);
+    match meant.map(str::to_owned).or_else(product).or_else(near) {
         Some(unit) => format!("did you mean `{unit}`?"),
         None => {
             "units are `kg m s rad N J W Pa Hz g A K V ohm H F C Wb T` with SI prefixes, `deg min h rpm in ft lb lbf`, and `1`"
                 .to_owned()
         }
     }
+}
+
+/// Two common units that are written without `*` between them: `Nm`, `Nmm`.
+fn product(name: &str) -> Option<(&str, &str)> {
+    let common = |unit: &str| COMMON.contains(&unit);
+    let splits = name.char_indices().skip(1).map(|(at, _)| name.split_at(at));
+    splits.into_iter().find(|(first, second)| common(first) && common(second))
 }
 
 /// Often written, and what is meant.
