@@ -289,12 +289,14 @@ fn help(name: &str) -> String {
     }
 }
 
-/// Two common units that are written without `*` between them: `Nm`, `Nmm`.
+/// Two units that are written without `*` between them: `Nm`, `Nmm`.
 fn product(name: &str) -> Option<(&str, &str)> {
-    let common = |unit: &str| COMMON.contains(&unit);
-    let splits = name.char_indices().skip(1).map(|(at, _)| name.split_at(at));
-    splits.into_iter().find(|(first, second)| common(first) && common(second))
+    let first = FACTORS.iter().filter_map(|first| Some((*first, name.strip_prefix(first)?)));
+    first.into_iter().find(|(_, second)| COMMON.contains(second))
 }
+
+/// What products of units begin with.
+const FACTORS: &[&str] = &["N", "kN", "J", "W", "kg", "A", "V", "lbf"];
 
 /// Often written, and what is meant.
 const MEANT: &[(&str, &str)] = &[

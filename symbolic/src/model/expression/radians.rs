@@ -10,10 +10,15 @@ use super::dimension::Dimension;
 use crate::language::{Ast, AstKind, Operator};
 
 /// r of a torque.
-const TORQUE: i32 = -1;
+pub const TORQUE: i32 = -1;
 
 /// Of names without indices.
 pub type Radians = BTreeMap<String, i32>;
+
+/// The name under which the reaction of a constraint stands among these: work per unit of what is constrained.
+pub fn of_reaction(constraint: &str) -> String {
+    format!("reaction({constraint})")
+}
 
 /// The unit of an expression of this dimension in SI.
 pub fn unit(dimension: Dimension, ast: Option<&Ast>, known: &Radians) -> String {
@@ -67,6 +72,9 @@ pub fn of(ast: &Ast, known: &Radians) -> i32 {
             ("angular_velocity" | "angles" | "atan2" | "asin" | "acos" | "atan", _) => 1,
             ("dot", [a, b]) => of(a, known) + of(b, known),
             ("abs" | "min" | "max" | "norm" | "rate", parts) => first(parts),
+            ("reaction", [Ast { kind: AstKind::Name { name, .. }, .. }]) => {
+                known.get(&of_reaction(name)).copied().unwrap_or(0)
+            }
             ("diff", [a, b]) => of(a, known) - of(b, known),
             ("components", [vector, _]) => of(vector, known),
             _ => 0,
