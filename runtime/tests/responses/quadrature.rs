@@ -80,7 +80,7 @@ fn a_run_ends_in_the_steady_state() {
         let end: Value = serde_json::from_slice(&out).unwrap();
         for name in ["x", "y"] {
             let steady = (amplitude(&found, name) * C::from_polar(1.0, 3.0 * 250.0)).re;
-            let simulated = end["end"][name].as_f64().unwrap_or(f64::NAN);
+            let simulated = end["q"][name].as_f64().unwrap_or(f64::NAN);
             assert!((simulated - steady).abs() < 1e-10, "{name} {across} {phase}: {simulated} {steady}");
         }
     }
