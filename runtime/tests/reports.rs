@@ -203,7 +203,7 @@ fn the_smaller_file_has_no_idle_parameters() {
     let text = "name: N\nparameters: {m: 1 kg, k: 50 N/m, tiny: 1e-9 N, deep: 2 m, spare: 3 m}\ncoordinates: {x: m}\n\
         bodies: {b: {mass: m, position: \"[x, 0]\"}}\npoints: {O: [0, 0]}\n\
         springs: {s: {stretch: x, stiffness: k, on: b, along: \"[1, 0]\"}}\n\
-        forces: {d: {on: b, force: \"[-tiny*sin(3*x/deep)*exp(x/deep), 0]\"}}\n\
+        forces: {d: {on: b, force: \"[-tiny*(x/deep)^3*exp(x/deep), 0]\"}}\n\
         scene:\n  start: {x: 0.3}\n  until: 2\n  needs: {outputs: [x], within: 1e-3}\n";
     let path = std::env::temp_dir().join(format!("dalembert-reports-{}-smaller.yaml", std::process::id()));
     says("needs", text, &["--write", path.to_str().unwrap()]).unwrap();

@@ -183,8 +183,11 @@ fn named(loaded: &Loaded, name: &str) -> Result<(Unknown, Sets), Problem> {
     ))
 }
 
-/// The digits of a number that an uncertainty leaves, twelve at most; 0 where it leaves none.
+/// The digits of a number that an uncertainty leaves, twelve at most; 0 where it leaves none, `?` where it is not known.
 fn digits(value: f64, uncertainty: f64) -> String {
+    if !uncertainty.is_finite() {
+        return "?".to_owned();
+    }
     if value.abs() <= uncertainty {
         return "0".to_owned();
     }
