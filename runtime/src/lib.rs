@@ -48,12 +48,12 @@
 #[doc(hidden)]
 #[macro_export]
 macro_rules! generated_for {
-    (1) => {};
+    (2) => {};
     ($format:literal) => {
         ::core::compile_error!(::core::concat!(
             "this code was generated for format ",
             $format,
-            " of dalembert, and this version of the library reads format 1: write it again by this version's `dalembert generate`"
+            " of dalembert, and this version of the library reads format 2: write it again by this version's `dalembert generate`"
         ));
     };
 }

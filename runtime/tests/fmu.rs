@@ -176,7 +176,7 @@ fn export_writes_c_that_goes_with_its_header() {
     let text = |file: &str| fs::read_to_string(folder.join(file)).unwrap();
     assert!(text("counter.c").starts_with("#include \"dalembert_core.h\"\n#include \"counter.h\"\n"));
     assert!(text("counter.h").contains(
-        "void counter_mass_matrix(const double *c, double t, const double *u, const double *q, double *out);"
+        "void counter_mass_matrix(const double *c, double t, const double *u, const double *q, const double *v, double *out);"
     ));
     assert!(text("dalembert_core.c").starts_with("#include \"dalembert_core.h\"\n"));
     fs::remove_dir_all(folder).unwrap();

@@ -338,6 +338,26 @@ fn states_are_set_and_what_jumps_crosses_nothing() {
 }
 
 #[test]
+fn what_sets_and_starts_at_its_zero_moving_past_is_named() {
+    let tank = |direction: &str| {
+        let text = format!(
+            "name: Tank\nparameters: {{r: 1 kg/s}}\nstates: {{fuel: {{unit: kg, rate: -r*open}}}}\nmemory: {{open: 1}}\n\
+             events: {{empty: {{when: fuel{direction}, then: {{set: {{open: 0}}}}}}}}\nscene: {{start: {{fuel: 2 kg}}, until: 5}}\n"
+        );
+        File::new("tank", &text)
+    };
+    let warnings = |direction: &str, fuel: &str| {
+        json(&["simulate", &tank(direction).0, "--start", &format!("fuel={fuel}")])["warnings"].to_string()
+    };
+    assert!(warnings(", direction: falling", "0").contains("already at or past its zero"));
+    // Coming to rest at zero is no turn that may be missed, and passing in any direction may be meant.
+    for (direction, fuel) in [(", direction: falling", "2"), (", direction: rising", "0"), ("", "2"), ("", "0")] {
+        let told = warnings(direction, fuel);
+        assert!(!told.contains("already at") && !told.contains("turns back"), "{direction} from {fuel}: {told}");
+    }
+}
+
+#[test]
 fn discontinuities_of_held_values_need_no_crossing() {
     // A force of sign(u) |x|, u = -1 from 1 s on; and min(u, x), which switches where x passes u as it is held then.
     let law = "memory: {u: 1}\nforces:\n  f: {on: b, force: \"[sign(u)*N, 0]\"}\n\

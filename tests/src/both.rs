@@ -26,7 +26,7 @@ fn everything(system: &dyn System, state: &Drawn) -> Vec<(&'static str, Vec<f64>
     };
     let n = q.len();
     collect("accelerations", n, &|x| system.accelerations(At::new(*t, q, v), x).expect("a regular mass matrix"));
-    collect("mass matrix", description.mass_pattern.len(), &|x| system.mass_matrix(At::place(*t, q), x));
+    collect("mass matrix", description.mass_pattern.len(), &|x| system.mass_matrix(At::new(*t, q, v), x));
     collect("bias", n, &|x| system.bias(At::new(*t, q, v), x));
     collect("residual", n, &|x| system.residual(At::new(*t, q, v).accelerated(a), x));
     let (stiffness, damping) = (description.stiffness_pattern.len(), description.damping_pattern.len());

@@ -61,9 +61,9 @@ class Compiled:
 
     def mass_matrix(self, t: float, y: ArrayLike) -> _Array:
         """The mass matrix M."""
-        c, u, q, _ = self._at(t, y)
+        c, u, q, v = self._at(t, y)
         matrix = np.zeros((len(q), len(q)))
-        self._call("mass_matrix", c, t, u, q, matrix)
+        self._call("mass_matrix", c, t, u, q, v, matrix)
         return matrix
 
     def bias(self, t: float, y: ArrayLike) -> _Array:

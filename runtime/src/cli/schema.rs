@@ -95,6 +95,15 @@ const OBJECTS: &[(&str, &[Key])] = &[
             ("about", "value", "A point fixed in the body that `inertia` is about instead"),
             ("angle", "expression", "Counterclockwise"),
             ("frame", "expression", "The frame that turns with it"),
+            ("loses", "exchange", "With which velocity mass leaves that `mass` says"),
+            ("gains", "exchange", "The same of mass that comes"),
+        ],
+    ),
+    (
+        "exchange",
+        &[
+            ("velocity", "value", "Against the ground; absent: that of the body"),
+            ("at", "value", "A point of the body"),
         ],
     ),
     (

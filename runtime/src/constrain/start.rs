@@ -240,7 +240,7 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
         free.iter().for_each(|i| y[n + i] = 0.0);
         let triples = self.triples(y);
         let rate = DVector::from_iterator(self.rows.len(), self.rows.iter().map(|row| triples[*row][1]));
-        let mass = mass_matrix(self.system, At::place(self.t, &y[..n]));
+        let mass = mass_matrix(self.system, At::packed(self.t, y, n));
         let m = mass.select_rows(&free).select_columns(&free);
         let coupled = mass.select_rows(&free) * DVector::from_row_slice(&y[n..]);
         let a = j.select_columns(&free);
@@ -291,7 +291,7 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
     /// Refuses a place where the constraints are less independent than elsewhere: what follows there is not determined.
     fn judge(&self, y: &[f64]) -> Result<(), Box<Cause>> {
         let rank = self.system.description().phases.get(self.system.phase()).map_or(0, |phase| phase.rank as usize);
-        let place = At::place(self.t, &y[..self.n]);
+        let place = At::packed(self.t, y, self.n);
         let (mut j, triples) = (self.jacobian(y, &self.rows), self.triples(y));
         let (sizes, inertia) = (self.sizes(y), mass_matrix(self.system, place).diagonal());
         let moved = j.abs() * sizes.rows(0, self.n);

@@ -196,8 +196,8 @@ impl Integration {
         locator: &mut EventLocator,
         recorder: &mut Recorder,
     ) -> Result<Vec<Fired>, Box<Cause>> {
-        let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
         self.project_start(system)?;
+        let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
         locator.enter(system, (now, &y), hit, &mut |system| self.trial(system))?;
         let fired = locator.already_past(system, (now, self.stepper.start().y), entered);
         for Fired { event, actions, .. } in &fired {

@@ -121,7 +121,7 @@ fn momenta<S: System + ?Sized>(system: &S, (t, y): (f64, &[f64])) -> Vec<(f64, f
     let n = system.len();
     let (q, mut v) = (&y[..n], y[n..].to_vec());
     let mut values = vec![0.0; system.description().mass_pattern.len()];
-    system.mass_matrix(At::place(t, q), &mut values);
+    system.mass_matrix(At::new(t, q, &v), &mut values);
     let own = |i: usize| {
         let diagonal = |(row, column): &(u32, u32)| *row as usize == i && row == column;
         system.description().mass_pattern.iter().position(diagonal).map_or(0.0, |place| values[place])

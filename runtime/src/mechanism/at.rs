@@ -2,7 +2,7 @@
 
 /// A time and a state, with accelerations and multipliers where they are known.
 ///
-/// With n coordinates and c constraints; slices may be empty where nothing reads them, as the rates are for M.
+/// With n coordinates and c constraints; slices may be empty where nothing reads them, as the rates are for M without states in masses.
 #[derive(Clone, Copy, Debug, Default)]
 #[non_exhaustive]
 pub struct At<'a> {

@@ -443,7 +443,9 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
     }
 
     fn mass_matrix(&self, at: At<'_>, values: &mut [f64]) {
-        M::mass_matrix(&self.constants, at.t, self.input_block(at.t).as_ref(), array(at.q), values);
+        // Without rates there are no states of first order, which masses may contain.
+        let v = if at.v.is_empty() { &[f64::NAN; N] } else { array(at.v) };
+        M::mass_matrix(&self.constants, at.t, self.input_block(at.t).as_ref(), array(at.q), v, values);
     }
 
     fn bias(&self, at: At<'_>, h: &mut [f64]) {

@@ -95,8 +95,8 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
     /// The inputs as the file gives them.
     fn inputs<S: Real>(c: &Self::Constants<S>, t: S) -> Self::Inputs<S>;
 
-    /// M's lower triangle as values of the pattern.
-    fn mass_matrix<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], values: &mut [S]);
+    /// M's lower triangle as values of the pattern; of `v` only states of first order are read, which masses may contain.
+    fn mass_matrix<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], values: &mut [S]);
     /// h.
     fn bias<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], q: &[S; N], v: &[S; N], h: &mut [S; N]);
     /// The accelerations −M⁻¹h.

@@ -232,7 +232,7 @@ pub trait System: Send + Sync {
         None
     }
 
-    /// M's lower triangle, as values of `description().mass_pattern`.
+    /// M's lower triangle, as values of `description().mass_pattern`; of the rates only states of first order are read, which masses may contain.
     fn mass_matrix(&self, at: At<'_>, values: &mut [f64]);
 
     /// h, so that M a + h = 0; n numbers.

@@ -65,7 +65,7 @@ pub(super) fn generators(
     if !system.active_rows().is_empty() {
         return list;
     }
-    let Some(mass) = mass_matrix(system, At::place(side.t, &side.y[..n])).cholesky() else { return list };
+    let Some(mass) = mass_matrix(system, At::packed(side.t, &side.y, n)).cholesky() else { return list };
     let damping = slopes_by_speed(system, side);
     for gradient in gradients.iter().filter(|gradient| gradient.name != ENERGY) {
         let dq = mass.solve(&gradient.direction.rows(n, n).into_owned());

@@ -84,13 +84,15 @@ impl Look<'_> {
     fn grazes(&self) -> Option<f64> {
         let (times, crossings) = (self.times(), self.crossings());
         let values: Vec<Option<f64>> = times.iter().map(|t| self.on_motion(*t)).collect();
-        for (times, values) in times.windows(3).zip(values.windows(3)) {
-            let [Some(a), Some(b), Some(c)] = *values else { continue };
+        for k in 1..times.len().saturating_sub(1) {
+            let (before, after) = (times[k - 1], times[k + 1]);
+            let [Some(a), Some(b), Some(c)] = values[k - 1..k + 2] else { continue };
             // What is struck at its zero turns back there, and was counted.
-            let hit = || crossings.iter().any(|t| (times[0]..=times[2]).contains(t));
+            let hit = || crossings.iter().any(|t| (before..=after).contains(t));
             if a * b > 0.0 && b * c > 0.0 && b.abs() < a.abs() && b.abs() < c.abs() && !hit() {
-                let t = self.turn(times[0], times[2]);
-                if self.is_zero_at(t) {
+                let t = self.turn(before, after);
+                let last = crossings.iter().rfind(|crossing| **crossing < t).copied().unwrap_or(f64::NEG_INFINITY);
+                if self.is_zero_at(t) && !self.rests(&times, k, last) {
                     return Some(t);
                 }
             }
@@ -99,6 +101,14 @@ impl Look<'_> {
         let mut pairs = crossings.windows(2);
         let grazed = pairs.find(|pair| between(pair[0], pair[1]).all(|t| self.is_zero_at(t)));
         grazed.map(|pair| 0.5 * (pair[0] + pair[1]))
+    }
+
+    /// Whether it is as near to zero as it is known from its last crossing until a time, or from then on: it has come to rest there, and does
+    /// not turn back.
+    fn rests(&self, times: &[f64], k: usize, last: f64) -> bool {
+        let leaves = |t: &f64| !self.is_zero_at(*t);
+        let since = times[..k].iter().rev().take_while(|t| **t > last);
+        !since.into_iter().any(leaves) || !times[k + 1..].iter().any(leaves)
     }
 
     fn is_zero_at(&self, t: f64) -> bool {

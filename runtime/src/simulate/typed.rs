@@ -21,7 +21,7 @@ pub trait Simulate<const N: usize, const C: usize>: Mechanism<N, C> + 'static {
         Simulation::new(self.system())
     }
 
-    /// M(t, q).
+    /// M(t, q); NaN where states of first order are in masses.
     fn mass_matrix_at(&self, t: f64, q: &[f64; N]) -> SMatrix<f64, N, N> {
         let pattern = &Self::description().mass_pattern;
         let mut values = vec![0.0; pattern.len()];

@@ -67,7 +67,7 @@ pub(crate) fn positive_inertia(system: &dyn System, t: f64, y: &[f64]) -> Result
     let description = system.description();
     let n = system.len();
     let mut values = vec![0.0; description.mass_pattern.len()];
-    system.mass_matrix(At::place(t, &y[..n]), &mut values);
+    system.mass_matrix(At::packed(t, y, n), &mut values);
     let below = |m: f64, size: f64| m < -NOTHING * size;
     let negative = |coordinate: usize| Cause::NegativeInertia { coordinate: description.coordinate_name(coordinate) };
     if n > LARGEST {
@@ -150,7 +150,7 @@ impl InertiaGuard {
             y: y.to_vec(),
             values: vec![0.0; description.mass_pattern.len()],
         };
-        system.mass_matrix(At::place(t, &y[..n]), &mut guard.values);
+        system.mass_matrix(At::packed(t, y, n), &mut guard.values);
         for i in 0..n {
             guard.start[i] = guard.mass(i).unwrap_or(0.0);
         }
@@ -159,7 +159,7 @@ impl InertiaGuard {
 
     /// Looks at M after a step; tells if it has grown beyond bounds.
     pub fn observe<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) -> Option<Unbounded> {
-        system.mass_matrix(At::place(t, &y[..system.len()]), &mut self.values);
+        system.mass_matrix(At::packed(t, y, system.len()), &mut self.values);
         self.y.copy_from_slice(y);
         for i in 0..self.start.len() {
             let Some(mass) = self.mass(i) else { continue };
@@ -187,7 +187,7 @@ impl InertiaGuard {
 
     /// Begins anew after the state was changed: there is no line through what was before.
     pub fn restart<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
-        system.mass_matrix(At::place(t, &y[..system.len()]), &mut self.values);
+        system.mass_matrix(At::packed(t, y, system.len()), &mut self.values);
         for i in 0..self.start.len() {
             let w = self.mass(i).map_or(1.0, |mass| (self.start[i] / mass).sqrt());
             self.latest[i] = Sample { t, w };
@@ -214,7 +214,7 @@ impl InertiaGuard {
         let mut values = self.values.clone();
         let mut mass = |part: f64| {
             let there: Vec<f64> = q.iter().zip(v).map(|(q, v)| q + part * left * v).collect();
-            system.mass_matrix(At::place(self.latest[i].t + part * left, &there), &mut values);
+            system.mass_matrix(At::new(self.latest[i].t + part * left, &there, v), &mut values);
             values[place]
         };
         let now = mass(0.0);

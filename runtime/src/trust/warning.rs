@@ -79,8 +79,8 @@ pub enum Warning {
         /// What is zero there.
         switch: String,
     },
-    /// An event that strikes or changes the phase is past its zero where the motion starts, or at it without a direction, and does not
-    /// happen.
+    /// An event that strikes or changes the phase is past its zero where the motion starts, or at it without a direction, or one that sets held
+    /// values is at it and moves past, and does not happen.
     PastAtStart {
         /// The event.
         event: String,
@@ -303,8 +303,8 @@ impl fmt::Display for Warning {
             ),
             Warning::PastAtStart { event } => write!(
                 f,
-                "`{event}` is already at or past its zero at the start and does nothing: start on its other side, or give it a `direction` \
-                 and the `phase` that it ends"
+                "`{event}` is already at or past its zero at the start and does nothing: start on its other side, or, if it changes the phase, \
+                 give it a `direction` and the `phase` that it ends"
             ),
             Warning::EventsEnd { t, kept } => {
                 write!(

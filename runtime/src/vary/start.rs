@@ -152,7 +152,7 @@ fn speeds(
     let (asked, held, parameter) = (&change.asked[n..], &change.held[n..], change.parameter);
     let (q, v) = start.y.split_at(n);
     let free: Vec<usize> = (0..n).filter(|i| !held[*i]).collect();
-    let place = At::place(start.t, q);
+    let place = At::new(start.t, q, v);
     let (mass, j) = (mass_matrix(system, place), constraint_matrix(system, place, rows));
     let (m, a) = (mass.select_rows(&free).select_columns(&free), j.select_columns(&free));
     let (f, r) = (free.len(), rows.len());

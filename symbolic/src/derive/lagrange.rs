@@ -1,23 +1,28 @@
 //! Lagrange's equations from the energies.
 //!
 //! With p = ∂T/∂q' (one reverse pass), M = ∂p/∂q' (one forward pass) and
-//! h = dp/dt at q'' = 0 − ∂T/∂q + ∂V/∂q − Q.  Christoffel symbols are never formed.
+//! h = dp/dt at q'' = 0 − ∂T/∂q + ∂V/∂q − Q.  Christoffel symbols are never formed.  Masses that change are held meanwhile: look in
+//! `changing_mass`.
 
 use rustc_hash::FxHashMap as HashMap;
 
+use super::changing_mass::HeldMasses;
 use super::{Acting, Dynamics, Energies, Equations, bias_rates, mass_entries, rates};
 use crate::expr::{Forward, Graph, Id, Rational, Symbol, Unary, reverse, vectors};
 use crate::model::{Model, Rotation};
 
-/// M, h and F from the energies; and for each coordinate its momentum and the rate of that, −∂L/∂q − Q.
+/// M, h and F from the energies; and for each coordinate its momentum and minus the rate of that, −∂L/∂q − Q (less what masses that change add).
 pub(crate) fn equations(graph: &mut Graph, dynamics: &Dynamics) -> (Equations, Vec<(Id, Id)>) {
     let n = dynamics.n;
+    let mut held = dynamics.clone();
+    let masses = HeldMasses::hold(graph, &mut held);
+    let dynamics = &held;
     let velocities = Velocities::of(graph, dynamics);
     let kinetic = kinetic_energy(graph, dynamics, &velocities);
     let potential = potential_energy(graph, dynamics);
 
     let momenta = speed_gradient(graph, n, &[(kinetic, Id::ONE)]);
-    let mass = mass_entries(graph, &momenta, |s| match s {
+    let mut mass = mass_entries(graph, &momenta, |s| match s {
         Symbol::Speed(j) => Some(j as usize),
         _ => None,
     });
@@ -32,14 +37,24 @@ pub(crate) fn equations(graph: &mut Graph, dynamics: &Dynamics) -> (Equations, V
     let mut complete = |momentum_rates: Vec<Id>| -> Vec<Id> {
         momentum_rates.iter().zip(&rest).map(|(&p, &r)| graph.add(p, r)).collect()
     };
-    let balances = momenta.iter().copied().zip(rest.iter().copied()).collect();
-    (Equations { name: "Lagrange", mass, bias: complete(bias), residual: complete(full) }, balances)
+    let (mut bias, mut residual) = (complete(bias), complete(full));
+    let less_gained = |(&momentum, &rest): (&Id, &Id)| {
+        let gained = masses.rate_by_masses(graph, momentum);
+        (momentum, graph.sub(rest, gained))
+    };
+    let mut balances: Vec<(Id, Id)> = momenta.iter().zip(&rest).map(less_gained).collect();
+    let of_motion = mass.iter_mut().map(|entry| &mut entry.2).chain(&mut bias).chain(&mut residual);
+    masses.put_in(graph, of_motion.chain(balances.iter_mut().flat_map(|(momentum, rest)| [momentum, rest])));
+    (Equations { name: "Lagrange", mass, bias, residual }, balances)
 }
 
 /// T and V with the true functions, since they are observed; the Jacobi function and its power with modes, since they
 /// are integrated.
 pub(crate) fn energies(model: &mut Model, dynamics: &Dynamics) -> Energies {
     let graph = &mut model.graph;
+    let mut held = dynamics.clone();
+    let masses = HeldMasses::hold(graph, &mut held);
+    let dynamics = &held;
     let velocities = Velocities::of(graph, dynamics);
     let kinetic = kinetic_energy(graph, dynamics, &velocities);
     let potential = potential_energy(graph, dynamics);
@@ -66,6 +81,10 @@ pub(crate) fn energies(model: &mut Model, dynamics: &Dynamics) -> Energies {
         let term = graph.mul(v, resisting);
         power = graph.sub(power, term);
     }
+    let gained = masses.rate_by_masses(graph, jacobi);
+    power = graph.add(power, gained);
+    let (mut kinetic, mut potential) = (kinetic, potential);
+    masses.put_in(graph, [&mut kinetic, &mut potential, &mut jacobi, &mut power]);
 
     let mut scale = Id::ZERO;
     for term in model.kinetic_terms.iter().chain(&model.potential_terms) {

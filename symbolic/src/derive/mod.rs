@@ -2,7 +2,7 @@
 //!
 //! 1. Discontinuities become modes: look in `switches`.
 //! 2. Sums get one order: look in `expr/sums`.
-//! 3. Lagrange's equations from the energies: look in `lagrange`.
+//! 3. Lagrange's equations from the energies: look in `lagrange`; masses that change are held meanwhile: look in `changing_mass`.
 //! 4. Virtual power from the bodies: look in `virtual_power`.
 //! 5. Momentum balances as linear equations for accelerations and reactions: look in `momentum`.
 //!
@@ -14,6 +14,7 @@
 //! Every derivation gives the same [`Equations`]; `gate` compares them, `lower` picks the cheapest.
 
 pub(crate) mod branches;
+pub(crate) mod changing_mass;
 mod combined;
 mod constraints;
 mod hidden;
@@ -63,7 +64,7 @@ pub struct Energies {
     pub potential: Id,
     /// q'·∂T/∂q' − T + V.
     pub jacobi: Id,
-    /// q'·Q − ∂T/∂t + ∂V/∂t.
+    /// q'·Q − ∂T/∂t + ∂V/∂t, and what masses that change add.
     pub power: Id,
     /// Σ |terms of T and V|.
     pub scale: Id,

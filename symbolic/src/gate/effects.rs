@@ -131,13 +131,12 @@ pub(super) fn effects(model: &Model) -> (Graph, Vec<Effect>) {
     }
     if let Some(gravity) = &model.gravity {
         for body in &model.bodies {
-            let mut height = Id::ZERO;
-            for (g, r) in gravity.iter().zip(&body.position) {
-                let term = graph.mul(*g, *r);
-                height = graph.sub(height, term);
-            }
-            let potential = graph.mul(body.mass, height);
-            let force = downhill(graph, n, potential);
+            // m g·∂r/∂q, with a mass that may change too.
+            let weight = |g: &Id| graph.mul(body.mass, *g);
+            let weight: Vec<Id> = gravity.iter().map(weight).collect();
+            let seeds: Vec<(Id, Id)> = body.position.iter().copied().zip(weight).collect();
+            let gradient = reverse(graph, &seeds, |s| matches!(s, Symbol::Coordinate(_)));
+            let force = (0..n).map(|i| coordinate_entry(&gradient, i)).collect();
             let words = format!("gravity on `{}`", body.name);
             found.push(Effect { words, ..whole("gravity", Kind::Gravity, force) });
         }

@@ -47,6 +47,34 @@ const UNRESERVED: &[&str] = &["angles", "components", "momentum", "angular_momen
 pub const RESERVED: &[&str] =
     &["t", "pi", "ground", "length", "all", "in", "energy", "kinetic_energy", "potential_energy"];
 
+/// What functions of other languages are here, by their names there.
+const ELSEWHERE: &[(&[&str], &str)] = &[
+    (&["log", "loge"], "ln(x)"),
+    (&["log10", "lg"], "ln(x)/ln(10)"),
+    (&["log2", "ld"], "ln(x)/ln(2)"),
+    (&["pow", "power"], "x^n"),
+    (&["arcsin"], "asin(x)"),
+    (&["arccos"], "acos(x)"),
+    (&["arctan"], "atan(x)"),
+    (&["arctan2"], "atan2(y, x)"),
+    (&["cot"], "1/tan(x)"),
+    (&["sec"], "1/cos(x)"),
+    (&["csc"], "1/sin(x)"),
+    (&["hypot"], "sqrt(x^2 + y^2)"),
+    (&["square"], "x^2"),
+    (&["fabs"], "abs(x)"),
+    (&["sgn", "signum"], "sign(x)"),
+    (&["heaviside", "Heaviside"], "step(x)"),
+    (&["der", "ddt", "derivative"], "rate(x)"),
+    (&["magnitude", "mag"], "norm(r)"),
+    (&["normalize", "normalise"], "unit(r)"),
+];
+
+/// How a function of another language is written here.
+pub fn written_here(name: &str) -> Option<&'static str> {
+    ELSEWHERE.iter().find(|(names, _)| names.contains(&name)).map(|(_, here)| *here)
+}
+
 const fn of(name: &'static str, count: usize, about: &'static str) -> Function {
     Function { name, least: count, most: count, about }
 }

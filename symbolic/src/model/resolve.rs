@@ -110,9 +110,9 @@ fn resolve_through(root: &Node, sizes: &[(String, i64)], folder: Option<&Path>) 
     let held = resolver.scenes();
     resolver.samples();
     // 4. What has mass, and what acts on it; look in `bodies.rs`, `loads.rs` and `carriers.rs`.
-    resolver.finish_bodies(bodies);
+    resolver.finish_bodies(&bodies);
     resolver.gravity();
-    resolver.loads();
+    resolver.loads(&bodies);
     resolver.raw_energies();
     resolver.energies();
     resolver.balances();

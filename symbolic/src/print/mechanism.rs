@@ -145,7 +145,7 @@ impl Mechanism<'_> {
         let constraints = &program.constraints;
         let (cq, cv) = (values(&constraints.stiffness), values(&constraints.damping));
         vec![
-            into_slice("mass_matrix", 1, &values(&program.mass)),
+            into_slice("mass_matrix", 2, &values(&program.mass)),
             into_array("bias", 2, &program.bias),
             into_array("residual", 3, &program.residual),
             Function {

@@ -77,7 +77,13 @@ pub fn python(program: &Program, name: &str) -> String {
     module.tables();
     module.inputs();
     let n = program.model.coordinates.len();
-    module.matrix("mass_matrix", "M(t, q), n by n, symmetric, in SI units.", &program.mass, (n, n), true);
+    module.matrix(
+        "mass_matrix",
+        "M(t, q), n by n, symmetric, in SI units; of v only states of first order in masses are read.",
+        &program.mass,
+        (n, n),
+        true,
+    );
     module.vector("bias", "h(t, q, q'), with M q'' + h = 0 where no constraint acts.", &program.bias);
     let rows = program.constraints.len();
     if rows > 0 {

@@ -14,8 +14,15 @@ const FOLDERS: [&str; 6] = ["symbolic/", "macros/", "runtime/", "models/", "test
 fn every_path_in_the_documents_exists() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace's folder");
     let mut named = 0;
-    for document in ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"] {
-        let text = std::fs::read_to_string(root.join(document)).expect("a document at the top of the workspace");
+    let pages = |folder: &str| {
+        let entries = std::fs::read_dir(root.join(folder)).expect("a folder of documents");
+        entries
+            .map(|entry| entry.expect("an entry").path())
+            .filter(|path| path.extension().is_some_and(|end| end == "md"))
+    };
+    let top = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"].map(|name| root.join(name));
+    for document in top.into_iter().chain(pages("docs/decisions")).chain(pages("docs/numerics")) {
+        let text = std::fs::read_to_string(&document).expect("a document");
         for path in text.split('`').skip(1).step_by(2) {
             let full = FOLDERS.iter().any(|folder| path.starts_with(folder));
             // `NAME` stands for a name that the reader chooses.
@@ -23,7 +30,7 @@ fn every_path_in_the_documents_exists() {
                 continue;
             }
             named += 1;
-            assert!(root.join(path).exists(), "{document} names `{path}`, which does not exist");
+            assert!(root.join(path).exists(), "{} names `{path}`, which does not exist", document.display());
         }
     }
     assert!(named > 20, "only {named} paths were found");

@@ -1,5 +1,6 @@
 //! What docs/LANGUAGE.md promises of runs, sentence by sentence.
 
+mod changing_mass;
 mod constraints;
 mod contacts;
 mod events;

@@ -130,7 +130,8 @@ pub fn run(
         return Ok(());
     }
     let bodies = bodies::shares(loaded, &found.linear, &modes)?;
-    let masses = mass_matrix(system, At::place(0.0, &found.linear.equilibrium.q)).diagonal();
+    let rest = &found.linear.equilibrium;
+    let masses = mass_matrix(system, At::new(0.0, &rest.q, &rest.v)).diagonal();
     trim.iter().try_for_each(|trim| trim.table(&loaded.name, out))?;
     report::table(&loaded.name, (&found.linear, masses.as_slice()), &modes, &bodies, out)?;
     let rests = found.linear.equilibrium.v.iter().all(|v| *v == 0.0);

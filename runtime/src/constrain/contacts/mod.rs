@@ -136,10 +136,13 @@ impl Situation {
             Ok(()) => step * (0..n).map(|i| (matrix[(row, i)] * a[i]).abs()).sum::<f64>(),
             Err(_) => 0.0,
         };
+        // What the sizes of speeds make of a rate whose terms are small here, as of what falls along a wall.
+        let speeds = sizes_alike(system.description(), at.v);
+        let speed = |row: usize| (0..n).map(|i| (matrix[(row, i)] * speeds[i]).abs()).sum::<f64>();
         let still = |row: Option<u32>| {
             row.is_none_or(|row| {
                 let row = row as usize;
-                triples[row][1].abs() <= (STILL * terms(row)).max(NOW * change(row))
+                triples[row][1].abs() <= (STILL * terms(row).max(speed(row))).max(NOW * change(row))
             })
         };
         let active: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();

@@ -47,8 +47,8 @@ impl EventLocator {
     }
 
     /// Events with which a motion starts: those that leave a phase that they name and are past their zero, in their direction, or at it
-    /// and move past, and impacts that are at it and move past.  Impacts that are past it, and changes of the phase by events that name
-    /// none, which would change it again and again, are told.
+    /// and move past, and impacts that are at it and move past.  Impacts that are past it, changes of the phase by events that name
+    /// none, which would change it again and again, and what sets held values at its zero and moves past, are told.
     pub fn at_start<S: System + ?Sized>(&mut self, system: &S, (t, y): (f64, &[f64])) -> (Vec<Fired>, Vec<usize>) {
         let phase = system.phase() as u32;
         let (mut past, events) = (Vec::new(), &system.description().events);
@@ -79,6 +79,19 @@ impl EventLocator {
                 self.sampler.rate_of(*event) == 0.0
             }
         }));
+        past.extend((0..events.len()).filter(|event| self.sets_and_leaves(system, *event)));
         (fired, past)
+    }
+
+    /// Whether an event that sets held values starts at its zero and leaves it in its direction, so that it does not happen.
+    fn sets_and_leaves<S: System + ?Sized>(&self, system: &S, event: usize) -> bool {
+        let described = &system.description().events[event];
+        let sets = described.actions.iter().any(|action| matches!(action, Action::Set(_)));
+        let leaves = match described.direction {
+            Direction::Both => false,
+            Direction::Rising => self.scanner.leaving[event] > 0.0,
+            Direction::Falling => self.scanner.leaving[event] < 0.0,
+        };
+        sets && leaves && self.scanner.sides[event] == 0.0 && self.scanner.awake(event)
     }
 }

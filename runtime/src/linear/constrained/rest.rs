@@ -196,7 +196,7 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         let n = self.n;
         let mut projection = Projection::new(self.system)?;
         projection.hold(self.system, 0.0, &[q.as_slice(), &vec![0.0; n]].concat());
-        let mass = |y: &[f64]| mass_matrix(self.system, At::place(0.0, &y[..n]));
+        let mass = |y: &[f64]| mass_matrix(self.system, At::packed(0.0, y, n));
         let acceleration = |y: &[f64]| {
             let (zero, mut lambda) = (vec![0.0; n], vec![0.0; self.system.description().rows.len()]);
             let mut a = DVector::zeros(n);

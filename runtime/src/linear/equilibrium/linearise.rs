@@ -193,7 +193,7 @@ impl Linearised {
 pub fn state_matrix<S: System + ?Sized>(system: &S, t: f64, q: &[f64], v: &[f64]) -> Result<DMatrix<f64>, Singular> {
     let mut a = vec![0.0; system.len()];
     system.accelerations(At::new(t, q, v), &mut a)?;
-    let mass = mass_matrix(system, At::place(t, q));
+    let mass = mass_matrix(system, At::new(t, q, v));
     let [stiffness, damping] = force_slopes(system, At::new(t, q, v).accelerated(&a));
     first_order(&mass, &damping, &stiffness).map_err(|coordinate| SingularMass { coordinate }.into())
 }

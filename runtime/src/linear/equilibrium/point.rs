@@ -254,7 +254,7 @@ impl LinearisationPoint {
         let mut mass = vec![0.0; description.mass_pattern.len()];
         let mut stiffness = vec![0.0; description.stiffness_pattern.len()];
         let mut damping = vec![0.0; description.damping_pattern.len()];
-        system.mass_matrix(At::place(0.0, q), &mut mass);
+        system.mass_matrix(At::new(0.0, q, &self.v), &mut mass);
         system.jacobians(At::new(0.0, q, &self.v).accelerated(&self.zero), &mut stiffness, &mut damping);
         [
             SparseMatrix::symmetric(self.n, &description.mass_pattern, &mass),

@@ -44,7 +44,7 @@ super::entries! {
         "`{key}` beside balances of forces, moments or power" "on which body does this act?" "say it with `springs`, `dampers`, `forces` or `torques`, which know their bodies"
         "Momentum balances see bodies, gravity, springs, dampers, forces, torques and reactions, nothing else.";
     E416 energy_with_time() "an energy balance with explicit time"
-        "the energies contain time, so that something does work that this balance does not see" "" "use `power`"
+        "the energies contain time, or a mass that changes, so that something does work that this balance does not see" "" "use `power`"
         "`energy` states that kinetic plus potential energy changes by the power of what has no potential.";
     E417 too_many_coordinates(limit) "more coordinates than can be derived"
         "a model may have {limit} coordinates" "one too many" "make families smaller"
@@ -157,4 +157,13 @@ super::entries! {
     E458 own_joint(side) "a joint of a body with itself"
         "this joint joins `{side}` with itself" "" "name two; what holds a body in place is `ground`"
         "A joint holds one side at the other.";
+    E459 exchange_unsaid(what, name) "a mass that changes, and nothing says how"
+        "the {what} of `{name}` changes along the motion" "with which velocity does what leaves or comes move?" "say it in the body, `loses: {{velocity: [0, 0]}}` or `gains: {{velocity: [0, 0]}}` with the velocity against the ground (in space of three components), `loses: {{}}` if it moves with the body; inertia that changes because parts move is that of several bodies"
+        "What leaves a body takes momentum with it: m a = ΣF + m' (w − v). A mass of time or of states may stand alone, and then leaves with the velocity of its body; one that the position changes is laid down or taken up, and inertia changes otherwise too.";
+    E460 mass_stays(name, key) "an exchange of mass that does not change"
+        "the mass of `{name}` does not change" "nothing goes" "remove `{key}`, or give `mass` in time, coordinates or states: `mass: m0 - burnt*t`"
+        "What a body loses or gains follows from the rate of its mass.";
+    E461 mass_jumps(name) "a mass that jumps"
+        "the mass of `{name}` contains `sign` or `step`" "what would jump off or on at once" "spread it over a time with `min` and `max`, or a table; what separates is a body of its own, held by a constraint of a phase"
+        "Mass that goes at once takes momentum at once, which no force m' (w − v) gives.";
 }

@@ -3,7 +3,7 @@
 super::entries! {
     E260 state_misplaced(name, context) "a state where it may not be"
         "`{name}` is a state of first order, and {context} may not depend on one" "" "what moves by a law of first order is a coordinate: declare it in `coordinates` and state its rate as a constraint, `x' - e = 0`; a force or a potential may contain a state"
-        "Positions, masses and constraints are differentiated twice, and the second rate of a state would contain accelerations. Forces, torques, potentials, rates of other states, outputs, events and drawings may contain states.";
+        "Positions and constraints are differentiated twice, and the second rate of a state would contain accelerations. Forces, torques, potentials, rates of other states, outputs, events and drawings may contain states.";
     E261 state_rate_misplaced(name, context) "the rate of a state where it may not be"
         "`{name}` is the rate of a state, and {context} may not contain one" "" "write out its right-hand side where that has no velocities"
         "The rate of a state stands for its right-hand side, which may contain velocities.";

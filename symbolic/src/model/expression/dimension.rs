@@ -23,6 +23,8 @@ impl Dimension {
     pub const TIME: Dimension = Dimension::si(0, 0, 1);
     /// rad/s
     pub const RATE: Dimension = Dimension::si(0, 0, -1);
+    /// m/s.
+    pub const VELOCITY: Dimension = Dimension::si(0, 1, -1);
     /// m/s²
     pub const ACCELERATION: Dimension = Dimension::si(0, 1, -2);
     /// kg m²

@@ -9,7 +9,7 @@ use super::value::Value;
 use crate::diagnose::catalogue::{mechanics, names, states};
 use crate::diagnose::did_you_mean;
 use crate::expr::{Binary, Id, Symbol, Unary, vectors};
-use crate::language::{Ast, AstKind, FUNCTIONS, Span, function};
+use crate::language::{Ast, AstKind, FUNCTIONS, Span, function, written_here};
 
 /// What stands for a delay: Padé's approximation of order 1, of which the phase lags by ωτ to (ωτ)³/12.
 fn lag(name: &str) -> String {
@@ -29,8 +29,9 @@ impl Lower<'_> {
             let tables = self.scope.names.iter().filter(|(_, entry)| entry.section == Section::Table);
             let tables = tables.map(|(name, _)| name.as_str());
             let help = did_you_mean(name, FUNCTIONS.iter().map(|f| f.name).chain(tables));
-            let help = match name {
-                "delay" => lag("x"),
+            let help = match (name, written_here(name)) {
+                ("delay" | "delayed" | "lag", _) => lag("x"),
+                (_, Some(here)) => format!("it is written `{here}`"),
                 _ if help.is_empty() && self.scope.names.contains_key(name) => {
                     format!("a product needs `*`: `{name}*(…)`; where it is another time that is meant, {}", lag(name))
                 }

@@ -14,10 +14,6 @@ use crate::expr::{DoubleDouble, Id, Rational, Symbol};
 use crate::file::Text;
 use crate::language::{Ast, AstKind, Operator, Range, Span, is_reserved};
 
-/// A way out where a mass changes: d(m v)/dt would leave out the momentum of what leaves.
-const WHAT_LEAVES: &str = "what leaves a body takes momentum with it; write the motion per unit mass, \
-    `kinetic_energy: y'^2/2` and `generalized_forces: {y: (c*u)/(m0 - c*t) - g}` with the thrust c*u";
-
 /// What a name means inside one expression only.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Local {
@@ -165,11 +161,7 @@ impl<'a> Lower<'a> {
         } else if depends.meets(Depends::VELOCITY) && refused.meets(Depends::VELOCITY) {
             names::velocity_misplaced(place, words, what)
         } else {
-            let mut problem = names::time_misplaced(place, what);
-            if what == "a mass" {
-                problem.help = WHAT_LEAVES.to_owned();
-            }
-            problem
+            names::time_misplaced(place, what)
         };
         self.refuse(problem)
     }

@@ -106,6 +106,11 @@ impl Rules {
     }
 
     /// Of coordinates, states of first order, time and inputs.
+    pub const fn inertial(what: &'static str) -> Rules {
+        Rules { refused: VELOCITY.and(Depends::STATE_RATE).and(MEMORY), ..Rules::any(what) }
+    }
+
+    /// Of coordinates, states of first order, time, held values and inputs.
     pub const fn potential(what: &'static str) -> Rules {
         Rules { refused: VELOCITY.and(Depends::STATE_RATE), ..Rules::any(what) }
     }

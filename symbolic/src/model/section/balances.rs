@@ -6,14 +6,16 @@
 use std::collections::BTreeMap;
 
 use super::reactions::Unknown;
+use crate::derive::changing_mass::changes;
 use crate::diagnose::catalogue::{mechanics, sections};
 use crate::expr::{Id, Symbol, partial, vectors};
 use crate::file::{Node, Spot, Text};
 use crate::model::expression::dimension::Dimension;
 use crate::model::expression::families::Locals;
 use crate::model::expression::rules::Rules;
-use crate::model::resolved::{Balance, BalanceSystem, Part, Push, Work};
+use crate::model::resolved::{Balance, BalanceSystem, Body, Part, Push, Work};
 use crate::model::resolver::Resolver;
+use crate::model::rotation::Rotation;
 
 /// The kinds of balances.
 const KINDS: [&str; 5] = ["moment", "force", "power", "energy", "equation"];
@@ -177,10 +179,8 @@ impl<'a> Resolver<'a> {
             let turning = self.cross(&arm, &momentum);
             parts.push(self.part(format!("m a of {}", body.name), turning, false));
             if let Some(rotation) = &body.rotation {
-                let omega = rotation.angular_velocity(|angle| self.builder.rate(angle));
-                let spin = rotation.angular_momentum(&mut self.builder.graph, &omega);
-                let turning = self.builder.rates(&spin);
-                parts.push(self.part(turning_name(&body.name, spin.len()), turning, false));
+                let turning = self.rate_of_turning(rotation);
+                parts.push(self.part(turning_name(&body.name, turning.len()), turning, false));
             }
             if let Some(gravity) = self.model.gravity.clone() {
                 let weight: Vec<Id> = gravity.iter().map(|g| self.builder.graph.mul(body.mass, *g)).collect();
@@ -283,6 +283,7 @@ impl<'a> Resolver<'a> {
             }
             let kinetic = self.builder.graph.mul(half, doubled);
             let rate = self.builder.rate(kinetic);
+            let rate = self.less_gained_energy(rate, &body, square);
             parts.push(self.part(format!("the kinetic energy of {}", body.name), vec![rate], false));
             if let Some(gravity) = self.model.gravity.clone() {
                 let falling = vectors::dot(&mut self.builder.graph, &gravity, &velocity);
@@ -305,7 +306,9 @@ impl<'a> Resolver<'a> {
         spot.only(&[], "an energy balance", &mut self.builder.problems);
         let energies = self.scope.energies?;
         let symbols = self.builder.graph.symbols([energies.kinetic, energies.potential]);
-        if symbols.iter().any(|s| matches!(s, Symbol::Time | Symbol::Input(..) | Symbol::State(_))) {
+        let masses = self.builder.graph.symbols(self.model.bodies.iter().map(|body| body.mass));
+        let of_time = |s: &Symbol| matches!(s, Symbol::Time | Symbol::Input(..) | Symbol::State(_));
+        if symbols.iter().any(of_time) || masses.into_iter().any(changes) {
             self.builder.problems.push(mechanics::energy_with_time(spot.place.of_key()));
             return None;
         }
@@ -358,21 +361,46 @@ impl<'a> Resolver<'a> {
         let mut total = Id::ZERO;
         for push in pushes {
             let Some(b) = push.body else { continue };
-            let body = self.model.bodies[b].clone();
-            let mut velocity = self.builder.rates(&body.position);
-            if let Some(rotation) = &body.rotation {
+            let velocity = self.velocity_of_material(b, &push.at);
+            if let Some(rotation) = self.model.bodies[b].rotation.clone() {
                 let omega = rotation.angular_velocity(|angle| self.builder.rate(angle));
-                let graph = &mut self.builder.graph;
-                let arm = vectors::difference(graph, &body.position, &push.at);
-                let turning = vectors::swept(graph, &omega, &arm);
-                velocity = vectors::add(graph, &velocity, &turning);
-                let work = vectors::dot(graph, &push.couple, &omega);
-                total = graph.add(total, work);
+                let work = vectors::dot(&mut self.builder.graph, &push.couple, &omega);
+                total = self.builder.graph.add(total, work);
             }
             let work = vectors::dot(&mut self.builder.graph, &push.force, &velocity);
             total = self.builder.graph.add(total, work);
         }
         total
+    }
+
+    /// d/dt of I ω, or R I Rᵀ ω, with moments of inertia that are held.
+    fn rate_of_turning(&mut self, rotation: &Rotation) -> Vec<Id> {
+        let omega = rotation.angular_velocity(|angle| self.builder.rate(angle));
+        let spin = rotation.angular_momentum(&mut self.builder.graph, &omega);
+        let whole = self.builder.rates(&spin);
+        let gained = self.with_rates_of_inertia(rotation).angular_momentum(&mut self.builder.graph, &omega);
+        vectors::difference(&mut self.builder.graph, &gained, &whole)
+    }
+
+    /// The rate of a body's kinetic energy less what a mass and moments of inertia that change add, ½ m' v² + ½ ω·I' ω.
+    fn less_gained_energy(&mut self, rate: Id, body: &Body, square: Id) -> Id {
+        let half = self.half();
+        let gaining = self.builder.rate(body.mass);
+        let mut doubled = self.builder.graph.mul(gaining, square);
+        if let Some(rotation) = &body.rotation {
+            let omega = rotation.own_angular_velocity(|angle| self.builder.rate(angle));
+            let turning = self.with_rates_of_inertia(rotation).doubled_energy(&mut self.builder.graph, &omega);
+            doubled = self.builder.graph.add(doubled, turning);
+        }
+        let gained = self.builder.graph.mul(half, doubled);
+        self.builder.graph.sub(rate, gained)
+    }
+
+    /// The same turning with I' in the place of I.
+    fn with_rates_of_inertia(&mut self, rotation: &Rotation) -> Rotation {
+        let mut gaining = rotation.clone();
+        gaining.inertias_mut().iter_mut().for_each(|moment| *moment = self.builder.rate(*moment));
+        gaining
     }
 
     fn mass_times_acceleration(&mut self, body: usize) -> Vec<Id> {

@@ -47,13 +47,13 @@ impl Resolver<'_> {
     }
 
     /// Bodies, now that positions and angles have values.
-    pub fn finish_bodies(&mut self, declared: Vec<DeclaredBody>) {
+    pub fn finish_bodies(&mut self, declared: &[DeclaredBody]) {
         let mut spatial = Vec::new();
-        for (place, body) in declared.into_iter().enumerate() {
+        for (place, body) in declared.iter().enumerate() {
             let names = &self.scope.bodies[place];
             let (name, position, orientation) = (names.name.clone(), names.position, names.orientation);
-            let mass =
-                self.constant(body.text.mass.as_ref(), Rules::constant("a mass").si(Dimension::MASS), &body.locals);
+            let rules = Rules::inertial("a mass").si(Dimension::MASS);
+            let mass = self.mass_or_inertia(body.text.mass.as_ref(), rules, &body.locals);
             let written = body.text.inertia.as_deref().unwrap_or_default();
             let moments = self.moments(written, &body.locals);
             let position = match self.scope.value(position) {
@@ -64,7 +64,7 @@ impl Resolver<'_> {
                 Some(Value::Orientation(frame)) => {
                     let place = written.first().map(|first| Place::clone(&first.text.place)).unwrap_or_default();
                     let written = tensor(&moments);
-                    let arm = self.arm(&body, &name, &position, Some(&frame));
+                    let arm = self.arm(body, &name, &position, Some(&frame));
                     let less = arm.map(|arm| self.steiner(mass, &arm));
                     let inertia = less.map_or(written, |less| self.differences(&written, &less));
                     let values = if less.is_some() { nine(&inertia) } else { moments.clone() };
@@ -74,7 +74,7 @@ impl Resolver<'_> {
                 }
                 Some(Value::Scalar(angle)) => {
                     let mut inertia = moments.first().copied().unwrap_or(Id::ZERO);
-                    if let Some(arm) = self.arm(&body, &name, &position, None) {
+                    if let Some(arm) = self.arm(body, &name, &position, None) {
                         let place = written.first().map(|first| Place::clone(&first.text.place)).unwrap_or_default();
                         let [_, _, less, ..] = self.steiner(mass, &arm);
                         let about = Some([vec![inertia], vec![less]]);
@@ -88,6 +88,7 @@ impl Resolver<'_> {
             self.kinetic_energy(mass, &position, rotation.as_ref());
             self.model.bodies.push(Body { name, mass, position, rotation, place: body.text.place.clone() });
         }
+        self.changing_masses(declared);
         self.radial_energy();
         self.axes_with_direction();
         self.positive_masses();
@@ -145,8 +146,8 @@ impl Resolver<'_> {
         }
     }
 
-    /// A mass or moment of inertia: of parameters only; 0 where absent.
-    pub fn constant(&mut self, quantity: Option<&Quantity>, rules: Rules, locals: &Locals) -> Id {
+    /// A mass or moment of inertia; 0 where absent.
+    pub fn mass_or_inertia(&mut self, quantity: Option<&Quantity>, rules: Rules, locals: &Locals) -> Id {
         let Some(quantity) = quantity else { return Id::ZERO };
         let Some(value) = self.quantity(quantity, rules, locals) else { return Id::ZERO };
         let place = quantity.text.place.at(quantity.text.ast.span);

@@ -2,6 +2,7 @@
 
 use std::rc::Rc;
 
+use super::changing_mass::Exchange;
 use super::resolve_values::{Axis, Want};
 use super::rotations::ROTATION;
 use crate::diagnose::catalogue::{mechanics, names, sections};
@@ -27,6 +28,8 @@ pub struct BodyText {
     pub inertia: Option<Vec<Quantity>>,
     /// The place of the point that its inertia is about, if not its centre of mass.
     pub about: Option<Place>,
+    /// With which velocity mass leaves or comes.
+    pub exchange: Option<Exchange>,
     /// Where it stands.
     pub place: Place,
 }
@@ -298,7 +301,8 @@ impl Resolver<'_> {
     fn declare_body(&mut self, spot: &Spot<'_>, family: &Family, bodies: &mut Vec<DeclaredBody>) {
         let space = self.scope.dimension == 3;
         let problems = &mut self.builder.problems;
-        spot.only(&["mass", "position", "inertia", "about", "angle", "frame"], "a body", problems);
+        let keys = ["mass", "position", "inertia", "about", "angle", "frame", "loses", "gains"];
+        spot.only(&keys, "a body", problems);
         let mass = spot.need("mass", "a body", problems).and_then(|mass| mass.quantity(problems));
         let position = spot.need("position", "a body", problems).and_then(|spot| spot.written(problems));
         let (inertia, angle, frame) = (spot.get("inertia"), spot.get("angle"), spot.get("frame"));
@@ -343,7 +347,8 @@ impl Resolver<'_> {
         }
         let point = about.as_ref().and_then(|about| about.written(&mut self.builder.problems));
         let about = about.map(|about| about.place);
-        let text = Rc::new(BodyText { mass, inertia, about, place: spot.place.of_key() });
+        let exchange = self.exchange_of(spot);
+        let text = Rc::new(BodyText { mass, inertia, about, exchange, place: spot.place.of_key() });
         for member in &family.members {
             let name = member.name();
             let rules = Rules::position("a position").si(Dimension::LENGTH);

@@ -103,20 +103,23 @@ impl Resolver<'_> {
                 attached: AttachedTo::Ground,
                 at: point.unwrap_or_else(|| vec![Id::ZERO; self.scope.dimension]),
             }),
-            Some(body) => {
-                let centre = self.centre(body)?;
-                let particle = self.scope.bodies[body].orientation.is_none();
-                match (point, at) {
-                    (Some(point), Some(at)) if particle && point != centre => {
-                        let place = Place::clone(at.place());
-                        let particle = Some(body);
-                        drafts.wanted.push(Wanted { point, words: String::new(), place, particle });
-                        Some(End { attached: AttachedTo::Body(body), at: centre })
-                    }
-                    (point, _) => Some(End { attached: AttachedTo::Body(body), at: point.unwrap_or(centre) }),
-                }
-            }
+            Some(body) => match (point, at) {
+                (Some(point), Some(at)) => self.own_point(body, point, at, drafts),
+                _ => Some(End { attached: AttachedTo::Body(body), at: self.centre(body)? }),
+            },
         }
+    }
+
+    /// A point of a body's material; for a particle, which has only one, a note to see whether it is that.
+    pub fn own_point(&mut self, body: usize, point: Vec<Id>, at: &Written, drafts: &mut Drafts) -> Option<End> {
+        let centre = self.centre(body)?;
+        let attached = AttachedTo::Body(body);
+        if self.scope.bodies[body].orientation.is_some() || point == centre {
+            return Some(End { attached, at: point });
+        }
+        let place = Place::clone(at.place());
+        drafts.wanted.push(Wanted { point, words: String::new(), place, particle: Some(body) });
+        Some(End { attached, at: centre })
     }
 
     /// The opposite of a force: on a rigid body at the same point, on a particle at itself.

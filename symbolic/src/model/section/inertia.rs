@@ -44,7 +44,7 @@ const PRODUCTS: [(usize, usize, &str, &str); 3] = [(1, 3, "Ixy", "Iyx"), (2, 6, 
 impl Resolver<'_> {
     /// The values of moments of inertia as written; the products in a tensor may be negative.
     pub fn moments(&mut self, written: &[Quantity], locals: &Locals) -> Vec<Id> {
-        let rules = Rules::constant("a moment of inertia").si(Dimension::INERTIA);
+        let rules = Rules::inertial("a moment of inertia").si(Dimension::INERTIA);
         let mut values = Vec::new();
         for (k, moment) in written.iter().enumerate() {
             let product = written.len() == 9 && k % 4 != 0;
@@ -52,7 +52,7 @@ impl Resolver<'_> {
                 true => {
                     self.quantity(moment, Rules { what: "a product of inertia", ..rules }, locals).unwrap_or(Id::ZERO)
                 }
-                false => self.constant(Some(moment), rules, locals),
+                false => self.mass_or_inertia(Some(moment), rules, locals),
             });
         }
         values

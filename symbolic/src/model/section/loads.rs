@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::attachment::{belongs_to_ground, carriers};
+use super::declare::DeclaredBody;
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{mechanics, names};
 use crate::expr::Id;
@@ -73,7 +74,7 @@ pub struct Drafts {
 
 impl Resolver<'_> {
     /// All loads, with their bodies found.
-    pub fn loads(&mut self) {
+    pub fn loads(&mut self, bodies: &[DeclaredBody]) {
         let mut drafts = Drafts::default();
         let mut families = Vec::new();
         for section in ["springs", "dampers", "forces", "torques"] {
@@ -105,6 +106,7 @@ impl Resolver<'_> {
                 }
             }
         }
+        self.exchanges(bodies, &mut drafts);
         self.contact_loads(&mut drafts);
         self.place_loads(drafts);
     }

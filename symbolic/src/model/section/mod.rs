@@ -3,6 +3,7 @@
 pub mod attachment;
 pub mod balances;
 pub mod bodies;
+pub mod changing_mass;
 mod closes;
 pub mod constraints;
 pub mod contacts;

@@ -16,7 +16,7 @@ int NAME_accelerations(const double *c, double t, const double *u, const double 
 
 /// M a = -h where M is not factored in the code.
 const LOOP: &str = "    double mass[SIZE * SIZE], h[SIZE];
-    NAME_mass_matrix(c, t, u, q, mass);
+    NAME_mass_matrix(c, t, u, q, v, mass);
     NAME_bias(c, t, u, q, v, h);
     return dalembert_solve(SIZE, mass, h, a);
 ";
@@ -31,7 +31,7 @@ int NAME_accelerations(const double *c, double t, const double *u, const double 
     const int m = NAME_rows(NAME_phase(c), active, &rank);
     for (int k = 0; k < ROWS; k++) l[k] = 0.0;
     if (m == 0) return NAME_free(c, t, u, q, v, a);
-    NAME_mass_matrix(c, t, u, q, mass);
+    NAME_mass_matrix(c, t, u, q, v, mass);
     NAME_bias(c, t, u, q, v, h);
     NAME_constraint_matrix(c, t, u, q, matrix);
     NAME_constraint_bias(c, t, u, q, v, gamma);

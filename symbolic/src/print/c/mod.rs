@@ -154,7 +154,7 @@ impl Printing<'_> {
         let Program { stiffness, damping, input, time, .. } = self.program;
         let rates: Vec<Id> = self.program.event_rates.iter().map(|rate| rate.value()).collect();
         let mut functions = vec![
-            matrix("mass_matrix", 1, MASS, &self.program.mass, (n, n), Shape::Symmetric),
+            matrix("mass_matrix", 2, MASS, &self.program.mass, (n, n), Shape::Symmetric),
             list("bias", 2, BIAS, &self.program.bias),
             list("residual", 3, RESIDUAL, &self.program.residual),
             list("energy", 3, ENERGY, &self.program.energy),
@@ -185,7 +185,7 @@ impl Printing<'_> {
     }
 }
 
-const MASS: &str = "M(t, q): n by n, row by row, symmetric.";
+const MASS: &str = "M(t, q): n by n, row by row, symmetric; of v only states of first order in masses are read.";
 const BIAS: &str = "h(t, q, q'): n numbers; M q'' + h = 0 where no constraint acts.";
 const RESIDUAL: &str = "F = M q'' + h - (J^T + B) lambda: n numbers.";
 const ENERGY: &str = "T, V, the Jacobi function, the power of what has no potential, and the sum of the absolute terms of T and V: 5 numbers; J, J, J, W, J.";

@@ -91,7 +91,7 @@ static int change(instance *m, int count, const int *which, const double *miss, 
     double mass[COORDINATES * COORDINATES], matrix[ROWS * COORDINATES], rows[ROWS * COORDINATES], nothing[COORDINATES];
     double mu[ROWS], doubles[DALEMBERT_DOUBLES(COORDINATES, ROWS)];
     int ints[DALEMBERT_INTS(COORDINATES, ROWS)];
-    MODEL(mass_matrix)(m->c, m->t, m->u, m->q, mass);
+    MODEL(mass_matrix)(m->c, m->t, m->u, m->q, m->v, mass);
     MODEL(constraint_matrix)(m->c, m->t, m->u, m->q, matrix);
     for (int i = 0; i < COORDINATES; i++) nothing[i] = 0.0;
     for (int k = 0; k < count; k++) memcpy(rows + k * COORDINATES, matrix + which[k] * COORDINATES, COORDINATES * sizeof(double));
