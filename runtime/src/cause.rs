@@ -213,6 +213,15 @@ pub enum Cause {
         /// What stands in the way.
         reason: NoSeries,
     },
+    /// Steps of the length that the tolerance wants are more to the end than `max_steps`, as is known before the first.
+    NeedsMoreSteps {
+        /// Their length, s.
+        step: f64,
+        /// So many they are.
+        needed: f64,
+        /// The limit.
+        limit: u64,
+    },
     /// More steps than `max_steps`.
     TooManySteps {
         /// The limit.
@@ -304,7 +313,7 @@ impl Cause {
             Cause::InfiniteForce { .. } => "infinite force",
             Cause::OscillatesTooFast { .. } => "oscillates too fast",
             Cause::NoSeries { .. } => "no power series",
-            Cause::TooManySteps { .. } => "too many steps",
+            Cause::TooManySteps { .. } | Cause::NeedsMoreSteps { .. } => "too many steps",
         }
     }
 }
@@ -316,7 +325,10 @@ impl fmt::Display for Cause {
                 write!(f, "step too small: the tolerance asks for a step of {h:e} s, which vanishes beside the time")
             }
             Cause::ToleranceTooTight { asked, attainable } => {
-                write!(f, "tolerance too tight: {asked:e} is below rounding here; {attainable:e} might be attained")
+                write!(
+                    f,
+                    "tolerance too tight: {asked:e} is far below rounding; the tightest that is meant is {attainable:e}"
+                )
             }
             Cause::StepBelowResolution { h } => write!(f, "step below resolution: t + {h:e} s is t"),
             Cause::IterationStalled { h } => write!(
@@ -475,6 +487,13 @@ impl fmt::Display for Cause {
                 "`{function}` oscillates too fast: more than 100000 samples in one step do not tell its zeros apart"
             ),
             Cause::NoSeries { reason } => write!(f, "there is no power series any more, since {reason}"),
+            Cause::NeedsMoreSteps { step, needed, limit } => write!(
+                f,
+                "the tolerance wants steps of {} s, which are {} to the end, more than {limit}: give a looser tolerance or a method that \
+                 chooses each step, or raise `max_steps` (`--max-steps`)",
+                short(*step),
+                short(*needed)
+            ),
             Cause::TooManySteps { limit } => {
                 write!(f, "more than {limit} steps; raise `max_steps` (`--max-steps`) to go on")
             }

@@ -183,6 +183,8 @@ class Mechanism:
         *,
         set: Optional[Values] = None,
         at: Optional[Values] = None,
+        hold: Optional[Values] = None,
+        solve: Optional[_Names] = None,
         input: Optional[Values] = None,
         phase: Optional[str] = None,
         sampled: bool = False,
@@ -195,11 +197,16 @@ class Mechanism:
         vary: Optional[Mapping[str, str]] = None,
         params: Optional[_Path] = None,
     ) -> Modes:
-        """Finds an equilibrium, from `at` or the file's guess, and the modes of small motions about it."""
+        """Finds an equilibrium, from `at` or the file's guess, and the modes of small motions about it.
+
+        `hold` and `solve` trim: inputs, parameters or held values are found with which what is held rests where it is said to be.
+        """
         given = options(
             scene=scene,
             set=set,
             at=at,
+            hold=hold,
+            solve=solve,
             input=input,
             phase=phase,
             sampled=sampled,
@@ -224,6 +231,8 @@ class Mechanism:
         *,
         set: Optional[Values] = None,
         at: Optional[Values] = None,
+        hold: Optional[Values] = None,
+        solve: Optional[_Names] = None,
         input: Optional[Values] = None,
         phase: Optional[str] = None,
         steady: bool = False,
@@ -231,7 +240,9 @@ class Mechanism:
         params: Optional[_Path] = None,
     ) -> Linear:
         """Finds an equilibrium as `modes` does, and gives the matrices there: M, C, K, F, and A and B of x' = A x + B u."""
-        given = options(scene=scene, set=set, at=at, input=input, phase=phase, steady=steady, here=here, params=params)
+        given = options(
+            scene=scene, set=set, at=at, hold=hold, solve=solve, input=input, phase=phase, steady=steady, here=here, params=params
+        )
         return Linear(self._model.linearise(given))
 
     def sweep(

@@ -16,6 +16,7 @@ use crate::find::Value;
 use crate::mechanism::Goal;
 use crate::orbit::{Family, Multiplier, Orbit, OrbitSearch, StabilityMap};
 use crate::run::written;
+use crate::show::has_units;
 
 /// Searches, and prints what was found.
 pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
@@ -174,7 +175,9 @@ fn report(loaded: &Loaded, orbit: &Orbit, options: &ArgMatches, out: &mut dyn Wr
         return Ok(());
     }
     writeln!(out, "{}: {} Newton steps, {} pieces run", loaded.name, orbit.steps, orbit.runs)?;
-    writeln!(out, "  period = {} s", text(&orbit.period))?;
+    // A model without units knows neither seconds nor joules.
+    let [second, joule] = if has_units(&orbit.run.description) { [" s", " J"] } else { [""; 2] };
+    writeln!(out, "  period = {}{second}", text(&orbit.period))?;
     for value in &orbit.start {
         let unit = match orbit.run.unit(&value.name) {
             unit if unit.is_empty() => unit,
@@ -183,7 +186,7 @@ fn report(loaded: &Loaded, orbit: &Orbit, options: &ArgMatches, out: &mut dyn Wr
         writeln!(out, "  {} = {}{unit}", value.name, text(value))?;
     }
     if let Some(energy) = orbit.energy {
-        writeln!(out, "  energy = {} J", crate::numbers::short(energy))?;
+        writeln!(out, "  energy = {}{joule}", crate::numbers::short(energy))?;
     }
     if orbit.repeats > 1 {
         writeln!(out, "shorter        the motion repeats itself {} times in the period of the guess", orbit.repeats)?;

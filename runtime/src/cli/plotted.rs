@@ -23,8 +23,8 @@ pub struct Shown {
 enum Asked {
     /// Against time.
     History(Vec<String>),
-    /// The second over the first.
-    Portrait(String, String),
+    /// Of each pair the second over the first.
+    Portraits(Vec<(String, String)>),
 }
 
 impl Shown {
@@ -42,12 +42,14 @@ impl Shown {
         if section.is_some_and(|period| period <= 0.0) {
             return Err(Problem::Usage("error: --section wants a time greater than 0".to_owned()));
         }
-        if section.is_some() && !charts.iter().all(|chart| matches!(chart, Asked::Portrait(..))) {
+        if section.is_some() && !charts.iter().all(|chart| matches!(chart, Asked::Portraits(_))) {
             return Err(Problem::Usage("error: --section draws points of a portrait: `--show X:Y`".to_owned()));
         }
         let outputs = Names::of(loaded.system.description()).outputs;
         let of_output = |chart: &Asked| match chart {
-            Asked::Portrait(x, y) => [x, y].into_iter().find(|name| outputs.contains(name)).cloned(),
+            Asked::Portraits(pairs) => {
+                pairs.iter().flat_map(|(x, y)| [x, y]).find(|name| outputs.contains(name)).cloned()
+            }
             Asked::History(_) => None,
         };
         if let Some(name) = charts.iter().find_map(of_output).filter(|_| section.is_some()) {
@@ -90,15 +92,47 @@ impl Shown {
         for asked in &self.charts {
             match (asked, self.section) {
                 (Asked::History(names), _) => charts.extend(histories(run, names)?),
-                (Asked::Portrait(x, y), None) => {
-                    let chart = run.portrait(x, y)?;
-                    charts.push(if is_path(run, x, y) { chart.equal() } else { chart });
+                (Asked::Portraits(pairs), period) => {
+                    let mut found = Vec::new();
+                    for (x, y) in pairs {
+                        let chart = match period {
+                            None => run.portrait(x, y)?,
+                            Some(period) => run.section(x, y, period)?,
+                        };
+                        found.push(if period.is_none() && is_path(run, x, y) { chart.equal() } else { chart });
+                    }
+                    charts.extend(together(run, pairs, found));
                 }
-                (Asked::Portrait(x, y), Some(period)) => charts.push(run.section(x, y, period)?),
             }
         }
         Ok(charts)
     }
+}
+
+/// Portraits over axes with the same units as one chart with a curve each, `y[1] over x[1]`.
+fn together(run: &Run, pairs: &[(String, String)], charts: Vec<Chart>) -> Vec<Chart> {
+    let mut all: Vec<(String, String, Chart)> = Vec::new();
+    let several = charts.len() > 1;
+    for ((x, y), mut chart) in pairs.iter().zip(charts) {
+        let (across, up) = (run.unit(x), run.unit(y));
+        if several {
+            chart.series.iter_mut().for_each(|series| series.name = format!("{y} over {x}"));
+        }
+        match all.iter_mut().find(|(a, b, _)| *a == across && *b == up) {
+            Some((_, _, known)) => {
+                known.series.extend(chart.series);
+                (known.x.label, known.y.label) = (join(&known.x.label, x), join(&known.y.label, y));
+            }
+            None => all.push((across, up, chart)),
+        }
+    }
+    all.into_iter().map(|(_, _, chart)| chart).collect()
+}
+
+/// The label of an axis that stands for one name more.
+fn join(label: &str, name: &str) -> String {
+    let there = label.split(", ").any(|known| known == name);
+    if there { label.to_owned() } else { format!("{label}, {name}") }
 }
 
 /// A chart against time for each unit among these.
@@ -121,9 +155,14 @@ fn is_path(run: &Run, x: &str, y: &str) -> bool {
     lengths || owner(x).is_some() && owner(x) == owner(y)
 }
 
-/// `A,B` against time, or `X:Y`.
+/// `A,B` against time, or `X:Y`, `X:Y,Z:W`.
 fn asked(description: &Description, text: &str) -> Result<Asked, Problem> {
-    if let Some((x, y)) = text.split_once(':') {
+    let portrait = |text: &str| {
+        let Some((x, y)) = text.split_once(':') else {
+            return Err(Problem::Usage(format!(
+                "error: --show `{text}` stands beside portraits X:Y; a chart against time is a --show of its own"
+            )));
+        };
         let one = |name: &str| match columns(description, name)?.as_slice() {
             [one] => Ok(one.clone()),
             several => Err(Problem::Usage(format!(
@@ -132,9 +171,12 @@ fn asked(description: &Description, text: &str) -> Result<Asked, Problem> {
                 several.join(", ")
             ))),
         };
-        return Ok(Asked::Portrait(one(x)?, one(y)?));
+        Ok((one(x)?, one(y)?))
+    };
+    match text.contains(':') {
+        true => Ok(Asked::Portraits(parts(text).map(portrait).collect::<Result<_, Problem>>()?)),
+        false => Ok(Asked::History(listed(description, text)?)),
     }
-    Ok(Asked::History(listed(description, text)?))
 }
 
 /// The columns of `A,B`.

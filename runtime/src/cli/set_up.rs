@@ -416,6 +416,11 @@ pub fn place_in_state(loaded: &Loaded, name: &str) -> Result<Place, Problem> {
                     "error: `{name}'` is the rate of a state of first order, which the model gives; write `{name}=…`"
                 )));
             }
+            let rate =
+                diagnose::rate_meant(name, known.iter().map(String::as_str).filter(|name| !name.ends_with('\'')));
+            if let Some(hint) = rate {
+                return Err(Problem::Usage(format!("error: no coordinate is called `{name}`; {hint}")));
+            }
             Err(unknown("coordinate", name, known.iter().map(String::as_str)))
         }
     }

@@ -57,6 +57,10 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
         }
         Err(Error::Run(mut failure)) => {
             let problem = Problem::Run(failure.to_string());
+            // Of what never began there is nothing to report but why.
+            if failure.run.work.steps == 0 && failure.run.len() < 2 && !options.get_flag("json") {
+                return Err(problem);
+            }
             report((&loaded, &settings), (&mut failure.run, Some(&problem)), (&shown, &others, None), options, out)?;
             Err(problem)
         }
@@ -162,8 +166,10 @@ fn others(context: Context<'_>, options: &ArgMatches) -> Result<Vec<(String, Run
         .collect()
 }
 
-/// No more events are printed.
-const MOST_EVENTS: usize = 50;
+/// An event that happens more often than this, and more impulses, are counted: a list as long as this one is read at a glance.
+const FEW: usize = 8;
+/// Of these so many are told first.
+const FIRST: usize = 4;
 /// A second run after one that took longer than this, s, would try a person's patience.
 const PATIENCE: f64 = 10.0;
 
@@ -303,19 +309,8 @@ fn report(
             None => writeln!(out, "  {name} is absent")?,
         }
     }
-    for (index, event) in run.events.iter().enumerate().take(MOST_EVENTS) {
-        writeln!(out, "  event {} at t = {}", event.name, run.written_event(index))?;
-    }
-    if run.events.len() > MOST_EVENTS {
-        writeln!(out, "  and {} more events; --json has them all", run.events.len() - MOST_EVENTS)?;
-    }
-    let hit = run.impulses.iter().filter(|impulse| !impulse.constraints.is_empty()).take(MOST_EVENTS);
-    for impulse in hit {
-        let rows: Vec<String> = impulse.constraints.iter().map(|(name, p)| format!("{name} {}", short(*p))).collect();
-        let (t, energy) = (short(impulse.t), short(impulse.energy));
-        let joule = if has_units(loaded.system.description()) { " J" } else { "" };
-        writeln!(out, "  impulse at t = {t}: {}; kinetic energy {energy}{joule}", rows.join(", "))?;
-    }
+    events(run, out)?;
+    impulses_in_words(loaded, run, out)?;
     for contact in run.contacts() {
         writeln!(out, "  {}", history(&contact))?;
     }
@@ -353,6 +348,51 @@ fn report(
         slopes::write(slopes, out)?;
     }
     writeln!(out)?;
+    Ok(())
+}
+
+/// Events, a line each; where one happens often, its first and last times and how often.
+fn events(run: &Run, out: &mut dyn Write) -> Result<(), Problem> {
+    let mut told: Vec<&str> = Vec::new();
+    for (index, event) in run.events.iter().enumerate() {
+        let name: &str = &event.name;
+        let alike: Vec<usize> = (0..run.events.len()).filter(|k| *run.events[*k].name == *name).collect();
+        if alike.len() <= FEW {
+            writeln!(out, "  event {name} at t = {}", run.written_event(index))?;
+        } else if !told.contains(&name) {
+            told.push(name);
+            let first: Vec<String> = alike.iter().take(FIRST).map(|k| run.written_event(*k)).collect();
+            let last = alike.last().map_or_else(String::new, |k| run.written_event(*k));
+            writeln!(
+                out,
+                "  event {name} {} times, at t = {}, …, {last}; --json has all",
+                alike.len(),
+                first.join(", ")
+            )?;
+        }
+    }
+    Ok(())
+}
+
+/// Impulses, a line each; of many the first ones, and what all others took of the kinetic energy.
+fn impulses_in_words(loaded: &Loaded, run: &Run, out: &mut dyn Write) -> Result<(), Problem> {
+    let joule = if has_units(loaded.system.description()) { " J" } else { "" };
+    let hit: Vec<&Impulse> = run.impulses.iter().filter(|impulse| !impulse.constraints.is_empty()).collect();
+    let shown = if hit.len() <= FEW { hit.len() } else { FIRST };
+    for impulse in &hit[..shown] {
+        let rows: Vec<String> = impulse.constraints.iter().map(|(name, p)| format!("{name} {}", short(*p))).collect();
+        let (t, energy) = (short(impulse.t), short(impulse.energy));
+        writeln!(out, "  impulse at t = {t}: {}; kinetic energy {energy}{joule}", rows.join(", "))?;
+    }
+    if let [first, ..] = &hit[shown..] {
+        let energy: f64 = hit[shown..].iter().map(|impulse| impulse.energy).sum();
+        let (count, t) = (hit.len() - shown, short(first.t));
+        writeln!(
+            out,
+            "  and {count} more impulses from t = {t} on; kinetic energy {}{joule}; --json has all",
+            short(energy)
+        )?;
+    }
     Ok(())
 }
 

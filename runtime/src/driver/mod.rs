@@ -39,9 +39,9 @@ use crate::integrate::{
     Clock, Control, Endpoint, OneStep, Segment, StepControl, StepFailure, StiffnessDetector, Tolerance, Trial, stepper,
 };
 use crate::mechanism::sliding::return_to_surfaces;
-use crate::mechanism::{Method, System};
+use crate::mechanism::{At, Method, System};
 use crate::run::{Recorder, Work};
-use crate::trust::Warning;
+use crate::trust::{Warning, ends_that_meet};
 
 /// How steps are chosen.
 #[derive(Clone, Debug)]
@@ -468,7 +468,11 @@ impl Integration {
             tolerance.observe(self.stepper.start().y);
         }
         self.stepper.begin(system, self.clock.now()).map_err(|failure| failure.cause(system.description()))?;
-        finite(system, self.stepper.start().rate, 1)?;
+        let now = self.clock.now();
+        finite(system, self.stepper.start().rate, 1).map_err(|cause| {
+            let met = ends_that_meet(system, At::packed(now, self.stepper.start().y, system.len()));
+            met.map_or(cause, |load| Cause::EndsMeet { load, t: now }.into())
+        })?;
         self.sleep(system);
         Ok(())
     }

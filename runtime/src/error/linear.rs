@@ -171,6 +171,29 @@ pub enum LinearError {
         /// The output that contains it.
         answer: String,
     },
+    /// No values of what is sought were found with which the mechanism rests with these held.
+    CannotHold {
+        /// What is held in the way: forces are left that it would ease by moving.
+        holds: Vec<String>,
+        /// What is sought.
+        unknowns: Vec<String>,
+        /// (coordinate or unknown, value) where the search stood at the end.
+        point: Vec<(String, f64)>,
+        /// What is left there of forces and constraints.
+        residual: Vec<Residual>,
+    },
+    /// Values that are sought are not determined: they can change, alone or together, and it still rests.
+    Undetermined {
+        /// Which.
+        unknowns: Vec<String>,
+        /// Coordinates and states that are not held, and would move along.
+        along: Vec<String>,
+    },
+    /// A drive whose parts have phases is no input: x' = A x + B u knows no frequency that would make times of them.
+    OutOfPhase {
+        /// The drive.
+        drive: String,
+    },
     /// The crate was built without what this needs.
     NeedsFeature {
         /// The feature of the crate.
@@ -304,6 +327,39 @@ impl fmt::Display for LinearError {
                 "`{answer}` is a reaction, which depends on where a force acts; a generalized force does not say where: \
                  put an input into a force of the file, and drive by that"
             ),
+            LinearError::CannotHold { holds, unknowns, point, residual } => write!(
+                f,
+                "no {} found with which it rests with {} held: at {} there is left {}; let {} free, solve for something else, or \
+                 let the search begin elsewhere",
+                value_of(unknowns),
+                Names(holds, "and"),
+                Pairs(point),
+                Forces(residual),
+                Names(holds, "or"),
+            ),
+            LinearError::Undetermined { unknowns, along } if along.is_empty() && unknowns.len() == 1 => write!(
+                f,
+                "{} changes nothing where it rests, so that no value of it is found; solve for something else",
+                Names(unknowns, "and")
+            ),
+            LinearError::Undetermined { unknowns, along } if along.is_empty() => write!(
+                f,
+                "{} cannot be told apart: they can change together and it rests all the same; solve for one fewer",
+                Names(unknowns, "and")
+            ),
+            LinearError::Undetermined { unknowns, along } => write!(
+                f,
+                "{} not determined: it rests all the same where {} along with {}; hold {} too, or solve for one fewer",
+                if unknowns.len() == 1 { format!("{} is", Names(unknowns, "and")) } else { format!("{} are", Names(unknowns, "and")) },
+                if along.len() == 1 { format!("{} moves", Names(along, "and")) } else { format!("{} move", Names(along, "and")) },
+                if unknowns.len() == 1 { "it" } else { "them" },
+                Names(along, "or"),
+            ),
+            LinearError::OutOfPhase { drive } => write!(
+                f,
+                "`{drive}` acts with phases, which belong to one frequency: x' = A x + B u takes what acts in phase; give each part as an \
+                 input of its own"
+            ),
             LinearError::NeedsFeature { feature } => {
                 write!(f, "damped and gyroscopic modes need the feature `{feature}` of the crate `dalembert`")
             }
@@ -312,6 +368,32 @@ impl fmt::Display for LinearError {
 }
 
 impl std::error::Error for LinearError {}
+
+/// `value of `k``, `values of `T1` and `T2``.
+fn value_of(unknowns: &[String]) -> String {
+    format!(
+        "value{} of {} {}",
+        if unknowns.len() == 1 { "" } else { "s" },
+        Names(unknowns, "and"),
+        if unknowns.len() == 1 { "was" } else { "were" }
+    )
+}
+
+/// `` `a`, `b` and `c` ``.
+struct Names<'a>(&'a [String], &'a str);
+
+impl fmt::Display for Names<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, name) in self.0.iter().enumerate() {
+            match index {
+                0 => write!(f, "`{name}`")?,
+                index if index + 1 == self.0.len() => write!(f, " {} `{name}`", self.1)?,
+                _ => write!(f, ", `{name}`")?,
+            }
+        }
+        Ok(())
+    }
+}
 
 struct Pairs<'a>(&'a [(String, f64)]);
 

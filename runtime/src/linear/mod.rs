@@ -2,7 +2,7 @@
 //!
 //! 1. [`equilibrium_near`] searches, [`equilibrium_here`] verifies, each row by its own terms; what directions without
 //!    stiffness are, dry friction, contacts, dependence on time, and M, C and K as [`Linearised`]: look in
-//!    `equilibrium/`.
+//!    `equilibrium/`; rests with coordinates held and inputs, parameters or held values found ([`trim`]): in `equilibrium/trim.rs`.
 //! 2. Modes: normal ([`normal_modes`]), damped, gyroscopic and circulatory ([`Linearised::modes`], `complex_modes`),
 //!    of systems z' = A z, secular pairs, proportional damping, pictures: look in `modes/`.
 //! 3. Rigid motions told apart from mechanisms ([`name_free_modes`]): look in `rigid.rs`.
@@ -49,11 +49,13 @@ pub use constrained::{Tangent, linearise_tangent, turning_coordinates};
 #[cfg(feature = "cli")]
 pub(crate) use equilibrium::force_unit;
 pub use equilibrium::{
-    Equilibrium, Guess, Jump, Linearised, ZeroStiffness, equilibria, equilibrium_here, equilibrium_near, linearise,
-    state_matrix,
+    Equilibrium, Guess, Jump, Linearised, Trimmed, TrimmedValue, Unknown, ZeroStiffness, equilibria, equilibrium_here,
+    equilibrium_near, linearise, state_matrix, trim,
 };
 #[cfg(feature = "modal")]
 pub use equilibrium::{SampledLoop, StateSpace, linearise_sampled, linearise_states};
+#[cfg(feature = "cli")]
+pub(crate) use forced::turned;
 pub use forced::{
     Drive, Harmonic, InputOutput, Measured, Motion, NamedDrive, Observed, Response, Source, Steady, Unreached, beat,
     bode, measure, observe, solvemode, solvenorm, solvenum,

@@ -488,7 +488,7 @@ pub struct Counts {
     pub bias: u32,
     /// M and h together.
     pub mass_and_bias: u32,
-    /// Accelerations.
+    /// Accelerations, with the functions of time that stand for the inputs that they read.
     pub accelerations: u32,
     /// Residual F.
     pub residual: u32,

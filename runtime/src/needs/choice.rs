@@ -7,7 +7,7 @@ use dalembert_symbolic::file::edit::{keys, source};
 
 use super::NeedsError;
 use super::deviation::{Motion, between, largest};
-use super::edit::{Edit, entry, shown, word};
+use super::edit::{Edit, entry, shown, without_idle_parameters, word};
 use super::full::{Full, columns, on_constraints, started};
 use super::reduction::{Answer, ModelReduction, Proposal, Verdict, answer, near};
 use crate::mechanism::System;
@@ -183,7 +183,7 @@ fn verified(full: &Full, members: &[&ModelReduction]) -> Option<Choice> {
         saving: full.operations / run.operations,
         not_promised: not_promised(full, &found),
         gone: found.gone,
-        text: found.text,
+        text: without_idle_parameters(found.text, &full.source),
     })
 }
 

@@ -137,6 +137,31 @@ pub(super) fn unused(text: &str, name: &str) -> String {
     name
 }
 
+/// The smaller file without free parameters that the full one reads and that stand nowhere in it any more.
+pub(super) fn without_idle_parameters(mut text: String, full: &str) -> String {
+    let read = |text: &str, name: &str| {
+        let others = without(text, &entry("parameters", name));
+        others.is_some_and(|others| word(&without_comments(&others), name).is_some())
+    };
+    // One that only others are computed from goes after these.
+    loop {
+        let names = keys(&text, &[key("parameters")]);
+        let idle = names.iter().find(|name| read(full, name) && !read(&text, name));
+        let Some(less) = idle.and_then(|name| without(&text, &entry("parameters", name))) else { return text };
+        text = less;
+    }
+}
+
+/// Lines without what a `#` behind a blank begins.
+fn without_comments(text: &str) -> String {
+    let code = |line: &str| match line.find(" #") {
+        _ if line.starts_with('#') => String::new(),
+        Some(at) => line[..at].to_owned(),
+        None => line.to_owned(),
+    };
+    text.lines().map(code).collect::<Vec<String>>().join("\n")
+}
+
 /// A formula as a scalar of YAML, wherever it stands.
 pub(super) fn scalar(formula: &str) -> String {
     let plain = !formula.contains(['[', ']', '{', '}', ',', '#', ':', '"']) && !formula.starts_with(['-', '*', '&']);

@@ -80,7 +80,7 @@ impl Point {
         let run = match simulate(system, &settings) {
             Ok(run) => run,
             Err(Error::Run(failure)) => {
-                let long = matches!(failure.cause, Cause::TooManySteps { .. });
+                let long = matches!(failure.cause, Cause::TooManySteps { .. } | Cause::NeedsMoreSteps { .. });
                 return if long { Ok(None) } else { coded(failure.cause.code()) };
             }
             Err(error) => return Err(error),

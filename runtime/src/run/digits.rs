@@ -295,7 +295,9 @@ impl Run {
         let (Some(digits), Some(column), Some(error)) = (&self.digits, column, error) else { return plain(value) };
         let output = column.checked_sub(2 * self.names.coordinates.len());
         let cancelled = output.and_then(|output| digits.cancelled.get(output)).copied().unwrap_or(0.0);
-        let lost = error >= value.abs() && error > cancelled.max(LOST * ranges(self, digits.still)[column]);
+        // What does not begin to move is not lost.
+        let moves = self.times.first() != self.times.last();
+        let lost = moves && error >= value.abs() && error > cancelled.max(LOST * ranges(self, digits.still)[column]);
         written(value, if lost { f64::INFINITY } else { error })
     }
 

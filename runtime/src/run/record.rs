@@ -383,6 +383,7 @@ impl Recorder {
                 | Cause::NonFinite { .. }
                 | Cause::SingularMass { .. }
                 | Cause::TooManySteps { .. }
+                | Cause::NeedsMoreSteps { .. }
         );
         let suspect = self.guard.as_ref().and_then(|guard| guard.suspect(system, guard.last_step() * 2.0));
         match suspect {

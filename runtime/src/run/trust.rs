@@ -53,14 +53,20 @@ impl fmt::Display for Trust<'_> {
     }
 }
 
-/// The column of which fewest digits hold at the end, in words.
+/// The column of which fewest digits hold at the end, in words: of the state, or, where all of that is 0, of outputs.
 fn worst(run: &Run) -> Option<String> {
     let last = run.last();
-    let values = last.entries().map(|(name, value)| (run.digits(&name), name, value));
-    // A value that is zero but for rounding has no digits to lose.
-    let shown = values.filter(|(_, name, value)| run.written(name, *value) != "0");
-    let (digits, name, _) = shown.min_by_key(|(digits, ..)| *digits)?;
-    Some(format!("{} or more, fewest of {name}", digits?))
+    let state: Vec<(String, f64)> = last.entries().collect();
+    let outputs = last.outputs().filter_map(|(name, value)| Some((name.to_owned(), value?)));
+    let fewest = |values: Vec<(String, f64)>| {
+        // A value that is zero but for rounding has no digits to lose.
+        let shown = values.into_iter().filter(|(name, value)| run.written(name, *value) != "0");
+        shown.map(|(name, _)| (run.digits(&name), name)).min_by_key(|(digits, _)| *digits)
+    };
+    match fewest(state).or_else(|| fewest(outputs.collect())) {
+        Some((digits, name)) => Some(format!("{} or more, fewest of {name}", digits?)),
+        None => Some("all values are 0 but for rounding".to_owned()),
+    }
 }
 
 fn write_drift(f: &mut fmt::Formatter<'_>, name: &str, value: Option<f64>) -> fmt::Result {

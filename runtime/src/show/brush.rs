@@ -3,10 +3,14 @@
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
+use super::compact::thinned;
 use super::figure::{Canvas, FINE, Outcome, text};
 
+/// A place in drawing units.
+pub(super) type Spot = (i32, i32);
+
 /// A place on the picture in drawing units, where there is one.
-pub(super) type Place = Option<(i32, i32)>;
+pub(super) type Place = Option<Spot>;
 
 /// Drawing units from pixels.
 pub(super) fn fine((x, y): (f64, f64)) -> Place {
@@ -25,7 +29,7 @@ pub(super) fn stroke<B: DrawingBackend>(
         let mut piece: Vec<(i32, i32)> = piece.iter().flatten().copied().collect();
         piece.dedup();
         if piece.len() > 1 {
-            canvas.draw(&PathElement::new(piece, style))?;
+            canvas.draw(&PathElement::new(thinned(&piece), style))?;
         }
     }
     Ok(())

@@ -4,6 +4,7 @@
 //! `viewBox` of the finished SVG scales back, so that curves are smooth.
 
 use super::axis::Extent;
+use super::compact::shortened;
 use super::legend;
 use super::lettering;
 use super::marks::{Pen, crosses, instants, slope};
@@ -209,10 +210,10 @@ fn height(chart: &Chart, width: i32, rows: usize) -> i32 {
     }
 }
 
-/// Replaces the size in tenths of a pixel by one in pixels.
+/// Replaces the size in tenths of a pixel by one in pixels, and shortens the text.
 fn scaled_down(svg: &str, (width, height): (i32, i32)) -> String {
     let fine = format!("width=\"{}\" height=\"{}\"", width * FINE, height * FINE);
-    svg.replacen(&fine, &format!("width=\"{width}\" height=\"{height}\""), 1)
+    shortened(&svg.replacen(&fine, &format!("width=\"{width}\" height=\"{height}\""), 1))
 }
 
 /// Draws a chart into its cell, and its names from a place to the right on, px, where they are wanted.

@@ -1,5 +1,6 @@
 //! Lines, marks, crosses and slope triangles, placed in drawing units.
 
+use super::compact::thinned;
 use super::figure::{Canvas, FINE, Outcome, text};
 use super::{Chart, Slope, Style, lettering};
 use plotters::element::DashedPathElement;
@@ -75,6 +76,7 @@ impl Pen {
         for piece in points.split(Option::is_none) {
             let mut piece: Vec<Place> = piece.iter().flatten().copied().collect();
             piece.dedup();
+            let piece = thinned(&piece);
             match (piece.as_slice(), self.dashes) {
                 ([], _) => {}
                 ([dot], _) => canvas.draw(&Circle::new(*dot, 2 * FINE, self.colour.filled()))?,

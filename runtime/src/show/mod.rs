@@ -9,6 +9,7 @@ mod axis;
 #[cfg(feature = "png")]
 mod brush;
 mod chart;
+mod compact;
 mod csv;
 mod curves;
 mod extent;

@@ -379,9 +379,9 @@ mod tests {
         assert!(svg.starts_with(&format!("<svg width=\"{}\" height=\"{}\"", read.width / 2, read.height / 2)));
         let polyline = svg.split("<polyline").find(|part| part.contains("#0072B2")).unwrap();
         let points = polyline.split("points=\"").nth(1).unwrap().split('"').next().unwrap();
-        let middle = points.split_whitespace().nth(5).unwrap_or_else(|| panic!("{points}"));
-        let (x, y) = middle.split_once(',').unwrap();
-        let [x, y] = [x, y].map(|text| text.parse::<f64>().unwrap() / 5.0);
+        let places: Vec<f64> = points.split([' ', ',']).filter_map(|text| text.parse().ok()).collect();
+        let [x0, y0, .., x1, y1] = places[..] else { panic!("{points}") };
+        let [x, y] = [x0 + x1, y0 + y1].map(|sum| sum / 10.0);
         assert_eq!(read.at(x as u32, y as u32), [0, 114, 178]);
         // Two pixels of the SVG wide.
         let column: Vec<[u8; 3]> = (0..20).map(|i| read.at(x as u32, y as u32 - 10 + i)).collect();

@@ -84,7 +84,7 @@ fn names_stand_in_the_place_of_numbers() {
 
 #[test]
 fn an_absent_value_leaves_a_gap() {
-    let points = (0..=20).map(|i| (f64::from(i), f64::from(i) * 0.1)).map(|p| (p.0 != 10.0).then_some(p));
+    let points = (0..=20).map(|i| (f64::from(i), f64::from(i % 2))).map(|p| (p.0 != 10.0).then_some(p));
     let svg = Chart::new("", time_axis(), Axis::new("x", "")).with(Series::line("x", points)).to_svg();
     let lengths: Vec<usize> = curves(&Document::parse(&svg).unwrap(), BLUE).iter().map(Vec::len).collect();
     assert_eq!(lengths, [10, 10]);
@@ -122,7 +122,7 @@ fn log_axes_make_powers_straight() {
         Chart::new("", Axis::new("steps", "").log(), Axis::new("error", "").log()).with(Series::line("", power));
     let svg = chart.to_svg();
     let curve = curves(&Document::parse(&svg).unwrap(), BLUE).concat();
-    let ((x0, y0), (x1, y1)) = (curve[0], curve[10]);
+    let ((x0, y0), (x1, y1)) = (curve[0], curve[curve.len() - 1]);
     for (x, y) in curve {
         assert!((y - y0 - (y1 - y0) * (x - x0) / (x1 - x0)).abs() < 0.2, "({x}, {y}) is off the line");
     }

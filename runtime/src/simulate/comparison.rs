@@ -261,7 +261,12 @@ fn ran(
 ) -> Option<Run> {
     let mut other = match simulate_with(system, settings, progress) {
         Ok(run) => run,
-        Err(Error::Run(failure)) if matches!(failure.cause, Cause::Interrupted | Cause::TooManySteps { .. }) => {
+        Err(Error::Run(failure))
+            if matches!(
+                failure.cause,
+                Cause::Interrupted | Cause::TooManySteps { .. } | Cause::NeedsMoreSteps { .. }
+            ) =>
+        {
             return None;
         }
         Err(Error::Run(failure)) => failure.run,

@@ -41,7 +41,7 @@ use crate::driver::{Integration, StepPolicy};
 use crate::error::Error;
 use crate::events::{Ticks, begin_at};
 use crate::integrate::Tolerance;
-use crate::mechanism::{Enforcement, Method, RowHistory, Stabilisation, System};
+use crate::mechanism::{Action, Enforcement, Method, RowHistory, Stabilisation, System};
 use crate::run::{Failure, Plan, Recorder, Run};
 use crate::trust::{Warning, check_step, explain_lock, positive_inertia};
 
@@ -252,6 +252,10 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
         }
         _ => settings.step,
     };
+    let outcome = outcome.and_then(|()| match step.filter(|_| finds_step) {
+        Some(step) => enough_steps(system, settings, step),
+        None => Ok(()),
+    });
     let plan = Plan {
         until: settings.until,
         every,
@@ -276,10 +280,21 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
         let at = (settings.from, settings.q.as_slice(), settings.v.as_slice());
         let warning = check_step(system, at, method, step, settings.until - settings.from);
         warning.into_iter().for_each(|warning| recorder.warn(warning));
-    } else if tolerance > settings.tolerance {
+    } else if tolerance > settings.tolerance && settings.attainable().is_ok() {
         recorder.warn(Warning::ToleranceTooTight { asked: settings.tolerance, used: tolerance });
     }
     Ok(Start { integration, recorder, outcome })
+}
+
+/// Refuses a step that was found and will not come to the end within the limit, if no event can end the run before.
+fn enough_steps(system: &dyn System, settings: &Settings, step: f64) -> Result<(), Box<Cause>> {
+    let needed = (settings.until - settings.from) / step;
+    let events = &system.description().events;
+    let stops = events.iter().any(|event| event.actions.contains(&Action::Stop)) || settings.ends_after.is_some();
+    match needed > settings.max_steps as f64 && !stops {
+        true => Err(Cause::NeedsMoreSteps { step, needed: needed.ceil(), limit: settings.max_steps }.into()),
+        false => Ok(()),
+    }
 }
 
 fn finish(system: &dyn System, integration: &Integration, mut recorder: Recorder, clock: Instant) -> Run {

@@ -141,6 +141,7 @@ pub(crate) fn explain_lock(system: &dyn System, t: f64, y: &[f64], cause: Cause)
             | Cause::IterationStalled { .. }
             | Cause::DirectionLost { .. }
             | Cause::TooManySteps { .. }
+            | Cause::NeedsMoreSteps { .. }
     );
     if !explicable {
         return cause;

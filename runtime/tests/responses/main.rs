@@ -2,6 +2,7 @@
 #![cfg(all(feature = "cli", feature = "modal"))]
 
 mod held;
+mod quadrature;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 

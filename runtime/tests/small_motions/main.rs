@@ -6,6 +6,7 @@ mod branches;
 mod rests;
 mod rolling;
 mod steady;
+mod trim;
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -19,7 +19,7 @@ use crate::place::Span;
 
 pub use crate::place::{Place, Step};
 pub use catalogue::Entry;
-pub use suggest::{did_you_mean, did_you_mean_or, nearest};
+pub use suggest::{did_you_mean, did_you_mean_or, nearest, rate_meant};
 
 /// One thing that is wrong with a model file.
 #[derive(Clone, Debug, PartialEq)]

@@ -46,6 +46,36 @@ pub fn did_you_mean_or(name: &str, candidates: &[&str]) -> String {
     }
 }
 
+/// "did you mean `x'`?" of a name that is another way to write a rate of one of these: `vx`, `v_x`, `xdot`, `x_dot`, `dx`, `dxdt`,
+/// `x_ddot`.
+pub fn rate_meant<'a>(name: &str, moving: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    let lower = name.to_lowercase();
+    let stripped =
+        |front: &str, back: &str| lower.strip_prefix(front).and_then(|rest| rest.strip_suffix(back)).map(str::to_owned);
+    let known: Vec<&str> = moving.into_iter().take(MOST).collect();
+    RATES.iter().find_map(|(front, back, primes)| {
+        let meant = stripped(front, back)?;
+        let of = known.iter().find(|known| known.to_lowercase() == meant)?;
+        Some(format!("did you mean `{of}{primes}`?"))
+    })
+}
+
+/// Ways to write a rate: what stands before and behind the name, and the primes that say it here.
+const RATES: [(&str, &str, &str); 12] = [
+    ("", "_ddot", "''"),
+    ("", "ddot", "''"),
+    ("", "_dot", "'"),
+    ("", "dot", "'"),
+    ("d", "_dt", "'"),
+    ("d", "dt", "'"),
+    ("v_", "", "'"),
+    ("v", "", "'"),
+    ("d_", "", "'"),
+    ("d", "", "'"),
+    ("a_", "", "''"),
+    ("omega_", "", "'"),
+];
+
 fn quoted(names: &[&str]) -> String {
     names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
 }
@@ -66,6 +96,16 @@ mod tests {
         assert_eq!(nearest("corodinates", ["coordinates", "constraints"]), Some("coordinates"));
         assert_eq!(nearest("Theta", ["theta"]), Some("theta"));
         assert_eq!(nearest("thetaa", ["theta1", "theta2"]), Some("theta1"));
+    }
+
+    #[test]
+    fn rates_have_primes() {
+        for name in ["vx", "v_x", "xdot", "x_dot", "xDot", "dx", "dxdt", "dx_dt"] {
+            assert_eq!(rate_meant(name, ["y", "x"]).as_deref(), Some("did you mean `x'`?"), "{name}");
+        }
+        assert_eq!(rate_meant("theta_ddot", ["theta"]).as_deref(), Some("did you mean `theta''`?"));
+        assert_eq!(rate_meant("dot", ["x"]), None);
+        assert_eq!(rate_meant("vz", ["x"]), None);
     }
 
     #[test]

@@ -278,7 +278,9 @@ fn named(name: &str) -> Option<Unit> {
 
 fn help(name: &str) -> String {
     let meant = MEANT.iter().find(|(other, _)| other.eq_ignore_ascii_case(name)).map(|(_, unit)| *unit);
-    match meant.or_else(|| nearest(name, COMMON.iter().copied())) {
+    let product = || product(name).map(|(first, second)| format!("{first}*{second}"));
+    let near = || nearest(name, COMMON.iter().copied()).map(str::to_owned);
+    match meant.map(str::to_owned).or_else(product).or_else(near) {
         Some(unit) => format!("did you mean `{unit}`?"),
         None => {
             "units are `kg m s rad N J W Pa Hz g A K V ohm H F C Wb T` with SI prefixes, `deg min h rpm in ft lb lbf`, and `1`"
@@ -286,6 +288,15 @@ fn help(name: &str) -> String {
         }
     }
 }
+
+/// Two units that are written without `*` between them: `Nm`, `Nmm`.
+fn product(name: &str) -> Option<(&str, &str)> {
+    let first = FACTORS.iter().filter_map(|first| Some((*first, name.strip_prefix(first)?)));
+    first.into_iter().find(|(_, second)| COMMON.contains(second))
+}
+
+/// What products of units begin with.
+const FACTORS: &[&str] = &["N", "kN", "J", "W", "kg", "A", "V", "lbf"];
 
 /// Often written, and what is meant.
 const MEANT: &[(&str, &str)] = &[

@@ -160,6 +160,15 @@ pub struct Counts {
     pub jacobians: usize,
 }
 
+/// The functions of time that stand for the inputs, and their rates, that these roots read.
+fn read_signals(graph: &Graph, signals: &[[Id; 3]], roots: impl Iterator<Item = Id>) -> Vec<Id> {
+    let signal = |symbol: Symbol| match symbol {
+        Symbol::Input(k, order) => signals.get(k as usize)?.get(usize::from(order)).copied(),
+        _ => None,
+    };
+    graph.symbols(roots).into_iter().filter_map(signal).collect()
+}
+
 /// Reads, resolves, derives and lowers.
 ///
 /// # Errors
@@ -277,7 +286,8 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
         mass: count(values(&chosen.mass)),
         bias: count(chosen.bias.clone()),
         mass_and_bias: count([values(&chosen.mass), chosen.bias.clone()].concat()),
-        accelerations: accelerations.operations(graph, n, &chosen.mass, &chosen.bias),
+        accelerations: accelerations.operations(graph, n, &chosen.mass, &chosen.bias)
+            + count(read_signals(graph, &signals, values(&chosen.mass).into_iter().chain(chosen.bias.iter().copied()))),
         residual: count(chosen.residual.clone()),
         jacobians: count([values(&stiffness), values(&damping), chosen.residual.clone()].concat()),
     };

@@ -6,6 +6,7 @@ use std::rc::Rc;
 use super::expression::builder::ExprBuilder;
 use super::expression::dimension::{Dimension, Measure};
 use super::expression::lower::Local;
+use super::expression::radians;
 use super::expression::rules::Rules;
 use super::expression::value::Value;
 use super::resolved::Model;
@@ -100,7 +101,8 @@ impl Model {
         builder.value(&self.scope, &text, Rules::anything("an expression").numbers_fit(), &[]);
         let dimension = builder.measured.dimension();
         self.take_back(builder).ok()?;
-        dimension.filter(|dimension| *dimension != Dimension::ONE).map(|dimension| dimension.to_string())
+        let known = dimension.filter(|dimension| *dimension != Dimension::ONE);
+        known.map(|dimension| radians::unit(dimension, Some(&text.ast), &self.scope.units.radians))
     }
 
     /// The number that an expression of parameters, sizes and definitions without coordinates stands for, in SI,

@@ -19,8 +19,9 @@ use super::motion::Compared;
 use super::steady::Speeds;
 #[cfg(feature = "modal")]
 use super::tangent;
-use super::{bodies, failed, integrals, notes, pictures, report, state_space, varying};
-use crate::linear::{Guess, LinearError, linearise_constrained, short};
+use super::trim::Trim;
+use super::{Place, bodies, failed, integrals, notes, pictures, report, state_space, varying};
+use crate::linear::{LinearError, linearise_constrained, short};
 #[cfg(feature = "modal")]
 use crate::linear::{linearise_driven, linearise_tangent, turns_as_a_whole};
 use crate::mechanism::dense::mass_matrix;
@@ -71,12 +72,13 @@ pub fn run(
     options: &ArgMatches,
     reader: &mut Reader,
     (scene, speeds): (usize, &Speeds),
-    guess: &Guess,
+    place: &Place,
     out: &mut dyn Write,
 ) -> Result<(), Problem> {
     let system = &*loaded.system;
     let names = reactions(loaded, reader)?;
-    let found = match linearise_constrained(system, guess, options.get_flag("here")) {
+    let Place { guess, here, trim } = place;
+    let found = match linearise_constrained(system, guess, *here) {
         // Friction made of reactions belongs to no K: it follows what the constraints carry.
         Err(
             why @ (LinearError::VelocityConstraint { .. }
@@ -87,11 +89,11 @@ pub fn run(
                 let words = format!("error: --motion: {why}; `simulate` computes the motion itself");
                 return Err(Problem::Usage(words));
             }
-            return by_departures(loaded, options, reader, speeds, guess, &names, out);
+            return by_departures(loaded, options, reader, speeds, place, &names, out);
         }
         #[cfg(feature = "modal")]
         Err(LinearError::NotSteady { .. }) if !options.contains_id("motion") && turns_as_a_whole(system, guess) => {
-            return by_departures(loaded, options, reader, speeds, guess, &names, out);
+            return by_departures(loaded, options, reader, speeds, place, &names, out);
         }
         found => found.map_err(failed)?,
     };
@@ -111,8 +113,9 @@ pub fn run(
     for note in &told {
         eprintln!("warning: {note}");
     }
-    pictures(loaded, options, &found.linear, &modes, out)?;
-    state_space::of_model(loaded, options, reader, model, out)?;
+    let mut written = Vec::new();
+    pictures(loaded, options, &found.linear, &modes, &mut written)?;
+    state_space::of_model(loaded, options, reader, model, &mut written)?;
     if options.get_flag("json") {
         let reactions =
             names.iter().zip(&found.multipliers).map(|(row, value)| (row.row.clone(), json::number(*value)));
@@ -121,6 +124,7 @@ pub fn run(
         more.extend(motion.iter().map(Compared::as_json));
         more.extend(driven.iter().flat_map(Driven::as_json));
         more.extend(locus.map(|locus| locus.as_json()));
+        more.extend(trim.iter().map(Trim::as_json));
         more.extend((!told.is_empty()).then(|| ("warnings", json!(told))));
         json::write(&report::as_json(&loaded.name, &found.linear, &modes, more), out)?;
         return Ok(());
@@ -128,6 +132,7 @@ pub fn run(
     let bodies = bodies::shares(loaded, &found.linear, &modes)?;
     let rest = &found.linear.equilibrium;
     let masses = mass_matrix(system, At::new(0.0, &rest.q, &rest.v)).diagonal();
+    trim.iter().try_for_each(|trim| trim.table(&loaded.name, out))?;
     report::table(&loaded.name, (&found.linear, masses.as_slice()), &modes, &bodies, out)?;
     let rests = found.linear.equilibrium.v.iter().all(|v| *v == 0.0);
     for (row, value) in names.iter().zip(&found.multipliers) {
@@ -136,7 +141,8 @@ pub fn run(
     damping.map_or(Ok(()), |damping| damping.table(out))?;
     motion.map_or(Ok(()), |motion| motion.table(out))?;
     driven.map_or(Ok(()), |driven| driven.table(model, out))?;
-    locus.map_or(Ok(()), |locus| locus.table(out))
+    locus.map_or(Ok(()), |locus| locus.table(out))?;
+    Ok(out.write_all(&written)?)
 }
 
 #[cfg(feature = "modal")]
@@ -145,7 +151,7 @@ fn by_departures(
     options: &ArgMatches,
     reader: &mut Reader,
     speeds: &Speeds,
-    guess: &Guess,
+    Place { guess, here, trim }: &Place,
     names: &[Reaction],
     out: &mut dyn Write,
 ) -> Result<(), Problem> {
@@ -154,7 +160,7 @@ fn by_departures(
         return Err(Problem::Usage(words));
     }
     let system = &*loaded.system;
-    let found = linearise_tangent(system, guess, options.get_flag("here")).map_err(failed)?;
+    let found = linearise_tangent(system, guess, *here).map_err(failed)?;
     let locus = Locus::new(loaded, options, reader, &found.equilibrium, speeds)?;
     let asked = DRIVES.iter().find(|option| options.value_source(option) == Some(ValueSource::CommandLine));
     let at = match asked {
@@ -178,7 +184,8 @@ fn by_departures(
     };
     let model = at.as_ref().map(Model::Held);
     let driven = model.map_or(Ok(None), |model| Driven::new(loaded, options, reader, model))?;
-    model.map_or(Ok(()), |model| state_space::of_model(loaded, options, reader, model, out))?;
+    let mut written = Vec::new();
+    model.map_or(Ok(()), |model| state_space::of_model(loaded, options, reader, model, &mut written))?;
     let untried = integrals::notes(system, &found.equilibrium, locus.as_ref());
     let more = driven.iter().flat_map(Driven::notes).chain(locus.iter().flat_map(Locus::notes));
     for note in untried.into_iter().chain(more) {
@@ -186,11 +193,14 @@ fn by_departures(
     }
     if options.get_flag("json") {
         let more = driven.iter().flat_map(Driven::as_json).chain(locus.iter().map(Locus::as_json));
+        let more = more.chain(trim.iter().map(Trim::as_json));
         return Ok(json::write(&tangent::as_json(&loaded.name, &found, names, more), out)?);
     }
+    trim.iter().try_for_each(|trim| trim.table(&loaded.name, out))?;
     tangent::table(&loaded.name, &found, names, out)?;
     driven.zip(model).map_or(Ok(()), |(driven, model)| driven.table(model, out))?;
-    locus.map_or(Ok(()), |locus| locus.table(out))
+    locus.map_or(Ok(()), |locus| locus.table(out))?;
+    Ok(out.write_all(&written)?)
 }
 
 #[cfg(not(feature = "modal"))]
@@ -199,7 +209,7 @@ fn by_departures(
     _: &ArgMatches,
     _: &mut Reader,
     _: &Speeds,
-    _: &Guess,
+    _: &Place,
     _: &[Reaction],
     _: &mut dyn Write,
 ) -> Result<(), Problem> {

@@ -16,7 +16,7 @@ use super::super::{Problem, outputs};
 use super::failed;
 use super::model::Model;
 use super::shaken::{Shaken, named};
-use crate::linear::{Linearised, Mode, Response, Steady, short, short_beside};
+use crate::linear::{Linearised, Mode, Response, Steady, short, short_beside, turned};
 
 /// Below this part of its static stiffness a coordinate by itself is near resonance.
 const NEAR_RESONANCE: f64 = 0.3;
@@ -243,7 +243,10 @@ fn contributions(axes: &Axes, steady: &Steady, out: &mut dyn Write) -> Result<()
         rows.push(row);
     }
     super::report::columns(&rows, out)?;
-    writeln!(out, "  (each mode's part as size<phase in degrees; the parts add up as complex numbers)")?;
+    writeln!(
+        out,
+        "  (each mode's part as size<phase in degrees, A<p for A cos(w t + p); the parts add up as complex numbers)"
+    )?;
     Ok(())
 }
 
@@ -378,20 +381,32 @@ fn drive(loaded: &Loaded, options: &ArgMatches, reader: &mut Reader, model: Mode
     let mut all = Shaken::default();
     let alone = given.len() == 1;
     for text in given {
+        let (text, phase) = text.split_once('<').map_or((text.as_str(), None), |(text, phase)| (text, Some(phase)));
         let (name, amplitude) = text.split_once('=').map_or((text.trim(), "1"), |(name, value)| (name.trim(), value));
         model.can_move(name).map_err(failed)?;
         let Shaken { drive, label, per } = named(loaded, reader, linear, name)?;
         let size = reader.value(loaded, "drive", Sets::Any, amplitude)?;
+        let phase = phase.map_or(Ok(0.0), |text| angle(loaded, reader, text))?;
         let times = if size == 1.0 { String::new() } else { format!("{} times ", short(size)) };
         let before = if all.label.is_empty() { String::new() } else { format!("{} and ", all.label) };
-        all.label = format!("{before}{times}{label}");
+        let at = if phase == 0.0 { String::new() } else { format!(" at {} deg", short(phase.to_degrees())) };
+        all.label = format!("{before}{times}{label}{at}");
         all.per = if alone && size == 1.0 { per } else { String::new() };
-        all.drive.parts.extend(drive.parts.into_iter().map(|(source, part)| (source, part * size)));
+        let amplitude = turned(size, phase);
+        all.drive.parts.extend(drive.parts.into_iter().map(|(source, part)| (source, part * amplitude)));
     }
     match model.depends_on(loaded, &all.drive).map_err(failed)? {
         true => Ok(all),
         false => Err(Problem::Run(format!("{} does not act on small motions here", all.label))),
     }
+}
+
+/// The phase after `<`, rad: numbers alone are degrees, `0.5 rad` and `pi/2` are what they say.
+fn angle(loaded: &Loaded, reader: &mut Reader, text: &str) -> Result<f64, Problem> {
+    let text = text.trim();
+    let of_numbers = text.parse::<f64>().is_ok() || !text.contains(char::is_alphabetic);
+    let value = reader.value(loaded, "drive", Sets::Number, text)?;
+    Ok(if of_numbers { value.to_radians() } else { value })
 }
 
 /// `A..B` with 0 < A < B.

@@ -9,7 +9,8 @@ use super::super::load::Loaded;
 use super::super::set_up::Reader;
 use super::super::{Context, Problem};
 use super::state_space::{all_inputs, input_unit, matrix};
-use super::{Prepared, failed, prepared};
+use super::trim::Trim;
+use super::{Place, Prepared, failed, prepared};
 #[cfg(feature = "modal")]
 use crate::linear::linearise_states;
 use crate::linear::{
@@ -19,11 +20,11 @@ use crate::linear::{
 
 /// Linearises as `modes` does, by the same options, and returns all matrices with names and units.
 pub fn linearised(context: Context<'_>, options: &ArgMatches) -> Result<Value, Problem> {
-    let Prepared { loaded, mut reader, guess, held, .. } = prepared(context, options)?;
-    let (system, here) = (&*loaded.system, options.get_flag("here"));
+    let Prepared { loaded, mut reader, place: Place { guess, here, trim }, held, .. } = prepared(context, options)?;
+    let system = &*loaded.system;
     let warnings = ("warnings", json!(loaded.warnings.iter().chain(&held).collect::<Vec<_>>()));
     if system.description().has_states() {
-        return of_first_order(&loaded, &mut reader, &guess, here, warnings);
+        return of_first_order(&loaded, &mut reader, (&guess, here), trim.as_ref(), warnings);
     }
     let linear = match has_dependent_coordinates(system) {
         true => linearise_constrained(system, &guess, here).map_err(failed)?.linear,
@@ -36,7 +37,7 @@ pub fn linearised(context: Context<'_>, options: &ArgMatches) -> Result<Value, P
     let state = linear.input_output(&drives, &Observed::coordinates(&linear)).map_err(failed)?;
     let input = linear.input.to_dense();
     let of_order = |order: usize| DMatrix::from_fn(linear.len(), linear.inputs.len(), |i, j| input[(i, 3 * j + order)]);
-    Ok(object([
+    let entries = [
         ("model", json!(loaded.name)),
         ("equilibrium", place(&linear.equilibrium)),
         ("coordinates", json!(linear.coordinates)),
@@ -51,15 +52,16 @@ pub fn linearised(context: Context<'_>, options: &ArgMatches) -> Result<Value, P
         ("F_accelerations", matrix(&of_order(2))),
         ("state", of_state(&state)),
         warnings,
-    ]))
+    ];
+    Ok(object(entries.into_iter().chain(trim.iter().map(Trim::as_json))))
 }
 
 #[cfg(feature = "modal")]
 fn of_first_order(
     loaded: &Loaded,
     reader: &mut Reader,
-    guess: &crate::linear::Guess,
-    here: bool,
+    (guess, here): (&crate::linear::Guess, bool),
+    trim: Option<&Trim>,
     warnings: (&'static str, Value),
 ) -> Result<Value, Problem> {
     let system = &*loaded.system;
@@ -68,22 +70,23 @@ fn of_first_order(
     let units = names.iter().map(|name| input_unit(loaded, reader, name)).collect::<Result<Vec<_>, _>>()?;
     let inputs: Vec<(usize, String)> = units.iter().cloned().enumerate().collect();
     let state = found.input_output(system, &inputs, &[]).map_err(failed)?;
-    Ok(object([
+    let entries = [
         ("model", json!(loaded.name)),
         ("equilibrium", object(found.place.into_iter().map(|(name, value)| (name, number(value))))),
         ("inputs", json!(names.iter().map(|name| &**name).collect::<Vec<_>>())),
         ("input_units", json!(units)),
         ("state", of_state(&state)),
         warnings,
-    ]))
+    ];
+    Ok(object(entries.into_iter().chain(trim.map(Trim::as_json))))
 }
 
 #[cfg(not(feature = "modal"))]
 fn of_first_order(
     _: &Loaded,
     _: &mut Reader,
-    _: &crate::linear::Guess,
-    _: bool,
+    _: (&crate::linear::Guess, bool),
+    _: Option<&Trim>,
     _: (&'static str, Value),
 ) -> Result<Value, Problem> {
     Err(failed(crate::linear::LinearError::NeedsFeature { feature: "modal" }))

@@ -20,6 +20,7 @@ mod states;
 mod steady;
 #[cfg(feature = "modal")]
 mod tangent;
+mod trim;
 mod varying;
 
 use std::io::Write;
@@ -42,6 +43,7 @@ use model::Model;
 use motion::Compared;
 use serde_json::json;
 use steady::Speeds;
+use trim::Trim;
 
 pub(super) use for_programs::linearised;
 
@@ -57,22 +59,22 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     options.get_one::<String>("animate").map_or(Ok(()), |path| outputs::playable(path))?;
     options.get_one::<String>("state-space").map_or(Ok(()), |path| outputs::ends_in(path, &state_space::ENDINGS))?;
     options.get_one::<String>("matrices").map_or(Ok(()), |path| outputs::ends_in(path, &["mtx", "csv"]))?;
-    let Prepared { loaded, scene, mut reader, speeds, guess, held } = prepared(context, options)?;
+    let Prepared { loaded, scene, mut reader, speeds, place, held } = prepared(context, options)?;
     for warning in loaded.warnings.iter().chain(&held) {
         eprintln!("warning: {warning}");
     }
     if options.get_flag("sampled") {
-        return sampled(&loaded, options, guess, out);
+        return sampled(&loaded, options, place.guess, out);
     }
     if loaded.system.description().has_states() {
-        return with_states(&loaded, options, &mut reader, &guess, out);
+        return with_states(&loaded, options, &mut reader, &place, out);
     }
     if has_dependent_coordinates(&*loaded.system) {
-        return constrained::run(&loaded, options, &mut reader, (scene, &speeds), &guess, out);
+        return constrained::run(&loaded, options, &mut reader, (scene, &speeds), &place, out);
     }
     let system = &*loaded.system;
-    let found =
-        if options.get_flag("here") { equilibrium_here(system, &guess) } else { equilibrium_near(system, &guess) };
+    let Place { guess, here, trim } = &place;
+    let found = if *here { equilibrium_here(system, guess) } else { equilibrium_near(system, guess) };
     let linear = linearise(system, &found.map_err(failed)?).map_err(failed)?;
     let mut modes = linear.modes().map_err(failed)?;
     bodies::name_free(&loaded, &linear, None, &mut modes)?;
@@ -87,13 +89,15 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     for note in &told {
         eprintln!("warning: {note}");
     }
-    pictures(&loaded, options, &linear, &modes, out)?;
-    state_space::of_model(&loaded, options, &mut reader, Model::Free(&linear), out)?;
+    let mut written = Vec::new();
+    pictures(&loaded, options, &linear, &modes, &mut written)?;
+    state_space::of_model(&loaded, options, &mut reader, Model::Free(&linear), &mut written)?;
     if options.get_flag("json") {
         let mut more: Vec<_> = damping.iter().map(Damping::as_json).collect();
         more.extend(motion.iter().map(Compared::as_json));
         more.extend(driven.iter().flat_map(Driven::as_json));
         more.extend(locus.map(|locus| locus.as_json()));
+        more.extend(trim.iter().map(Trim::as_json));
         let told: Vec<&String> = told.iter().chain(&held).collect();
         more.extend((!told.is_empty()).then(|| ("warnings", json!(told))));
         super::json::write(&report::as_json(&loaded.name, &linear, &modes, more), out)?;
@@ -101,6 +105,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     }
     let bodies = bodies::shares(&loaded, &linear, &modes)?;
     let masses = linear.m().diagonal();
+    trim.iter().try_for_each(|trim| trim.table(&loaded.name, out))?;
     report::table(&loaded.name, (&linear, masses.as_slice()), &modes, &bodies, out)?;
     if let Some(damping) = damping {
         damping.table(out)?;
@@ -114,7 +119,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     if let Some(locus) = locus {
         locus.table(out)?;
     }
-    Ok(())
+    Ok(out.write_all(&written)?)
 }
 
 /// What small motions are about, before an equilibrium is looked for.
@@ -123,12 +128,21 @@ struct Prepared {
     scene: usize,
     reader: Reader,
     speeds: Speeds,
-    guess: Guess,
+    place: Place,
     /// That held values stay as they are.
     held: Option<String>,
 }
 
-/// Applies what chooses a scene, a phase, and where the search begins.
+/// Where small motions are looked at.
+struct Place {
+    guess: Guess,
+    /// The guess is the place itself.
+    here: bool,
+    /// How it came to be one.
+    trim: Option<Trim>,
+}
+
+/// Applies what chooses a scene, a phase, and where the search begins; trims.
 fn prepared(context: Context<'_>, options: &ArgMatches) -> Result<Prepared, Problem> {
     let mut loaded = Loaded::find(context, options)?;
     super::drawn::check(&loaded, options)?;
@@ -153,9 +167,11 @@ fn prepared(context: Context<'_>, options: &ArgMatches) -> Result<Prepared, Prob
     }
     loaded.system.set_memory(&memory);
     let held = held_note(&*loaded.system).filter(|_| !options.get_flag("sampled"));
-    let guess = Guess { q, v: speeds.v.clone(), inputs };
+    let mut guess = Guess { q, v: speeds.v.clone(), inputs };
+    let trim = Trim::new(&mut loaded, options, &mut reader, &mut guess)?;
     loaded.warnings.append(&mut reader.notes);
-    Ok(Prepared { loaded, scene, reader, speeds, guess, held })
+    let place = Place { guess, here: options.get_flag("here") || trim.is_some(), trim };
+    Ok(Prepared { loaded, scene, reader, speeds, place, held })
 }
 
 /// That held values stay as they are, where ticks or other events would set some.
@@ -186,14 +202,14 @@ fn with_states(
     loaded: &Loaded,
     options: &ArgMatches,
     reader: &mut Reader,
-    guess: &Guess,
+    place: &Place,
     out: &mut dyn Write,
 ) -> Result<(), Problem> {
-    states::run(loaded, options, reader, guess, out)
+    states::run(loaded, options, reader, place, out)
 }
 
 #[cfg(not(feature = "modal"))]
-fn with_states(_: &Loaded, _: &ArgMatches, _: &mut Reader, _: &Guess, _: &mut dyn Write) -> Result<(), Problem> {
+fn with_states(_: &Loaded, _: &ArgMatches, _: &mut Reader, _: &Place, _: &mut dyn Write) -> Result<(), Problem> {
     Err(failed(LinearError::NeedsFeature { feature: "modal" }))
 }
 

@@ -1,5 +1,7 @@
 //! Linear models with and without constraints, as drives find them.
 
+use nalgebra::Complex;
+
 use super::super::load::Loaded;
 use crate::linear::{Constrained, Drive, LinearError, Linearised, Motion, Observed, Source, Steady, observe};
 
@@ -71,9 +73,11 @@ impl Model<'_> {
                 let place = description.inputs.iter().position(|input| *input == constrained.linear.inputs[k]);
                 description.input_pattern.iter().any(|entry| Some(entry.1 as usize / 3) == place)
             };
-            let acts = |(source, amplitude): &(Source, f64)| match source {
-                Source::Force(_) => *amplitude != 0.0,
-                Source::Input(k) => *amplitude != 0.0 && (pushes(*k) || constrained.carried.column(*k).amax() > 0.0),
+            let acts = |(source, amplitude): &(Source, Complex<f64>)| match source {
+                Source::Force(_) => *amplitude != Complex::ZERO,
+                Source::Input(k) => {
+                    *amplitude != Complex::ZERO && (pushes(*k) || constrained.carried.column(*k).amax() > 0.0)
+                }
             };
             return Ok(drive.parts.iter().any(acts));
         }

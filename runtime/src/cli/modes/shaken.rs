@@ -3,6 +3,7 @@
 use dalembert_symbolic::expr::{Symbol, Tape};
 use dalembert_symbolic::gate::{UnitPush, unit_push};
 use dalembert_symbolic::model::Work;
+use nalgebra::Complex;
 
 use super::super::Problem;
 use super::super::load::Loaded;
@@ -58,7 +59,8 @@ fn load(loaded: &Loaded, reader: &mut Reader, linear: &Linearised, name: &str) -
     };
     let n = linear.equilibrium.q.len();
     let parts = (0..n).map(|i| (0..size).map(|k| direction[k] * along[k * n + i]).sum::<f64>());
-    let parts = parts.enumerate().filter(|(_, q)| *q != 0.0).map(|(i, q)| (Source::Force(i), q)).collect();
+    let parts = parts.enumerate().filter(|(_, q)| *q != 0.0);
+    let parts = parts.map(|(i, q)| (Source::Force(i), Complex::from(q))).collect();
     let units = has_units(loaded.system.description());
     let per = match (units, push.couple) {
         (false, _) => "",

@@ -13,8 +13,9 @@ use super::super::load::Loaded;
 use super::super::set_up::Reader;
 use super::super::{Problem, json};
 use super::tangent::{told, verdict};
-use super::{MOST_PRINTED, failed, state_space};
-use crate::linear::{Guess, StateSpace, linearise_states, short, short_beside};
+use super::trim::Trim;
+use super::{MOST_PRINTED, Place, failed, state_space};
+use crate::linear::{StateSpace, linearise_states, short, short_beside};
 
 /// What has modes of M, C and K only.
 pub(super) const OF_MODES: [&str; 14] = [
@@ -27,7 +28,7 @@ pub fn run(
     loaded: &Loaded,
     options: &ArgMatches,
     reader: &mut Reader,
-    guess: &Guess,
+    Place { guess, here, trim }: &Place,
     out: &mut dyn Write,
 ) -> Result<(), Problem> {
     let given = |option: &&&str| options.value_source(option) == Some(ValueSource::CommandLine);
@@ -45,12 +46,15 @@ pub fn run(
                 .to_owned(),
         ));
     }
-    let found = linearise_states(system, guess, options.get_flag("here")).map_err(failed)?;
-    state_space::of_states(loaded, options, reader, &found, out)?;
+    let found = linearise_states(system, guess, *here).map_err(failed)?;
+    let mut written = Vec::new();
+    state_space::of_states(loaded, options, reader, &found, &mut written)?;
     if options.get_flag("json") {
-        return Ok(json::write(&as_json(&loaded.name, &found), out)?);
+        return Ok(json::write(&as_json(&loaded.name, &found, trim.as_ref()), out)?);
     }
-    table(&loaded.name, &found, out)
+    trim.iter().try_for_each(|trim| trim.table(&loaded.name, out))?;
+    table(&loaded.name, &found, out)?;
+    Ok(out.write_all(&written)?)
 }
 
 fn table(name: &str, found: &StateSpace, out: &mut dyn Write) -> Result<(), Problem> {
@@ -106,14 +110,14 @@ fn parts(found: &StateSpace, shape: &[Complex<f64>]) -> Vec<String> {
     found.variables.iter().zip(shape).map(part).collect()
 }
 
-fn as_json(name: &str, found: &StateSpace) -> Value {
+fn as_json(name: &str, found: &StateSpace, trim: Option<&Trim>) -> Value {
     let named = |list: &[(String, f64)]| object(list.iter().map(|(name, value)| (name.clone(), number(*value))));
     let pair = |x: &Complex<f64>| Value::Array(vec![number(x.re), number(x.im)]);
     let matrix = |m: &DMatrix<f64>| -> Value {
         m.row_iter().map(|row| row.iter().map(|x| number(*x)).collect::<Vec<_>>()).collect::<Vec<_>>().into()
     };
     let shapes: Vec<Vec<Value>> = found.shapes().iter().map(|shape| shape.iter().map(pair).collect()).collect();
-    object([
+    let entries = [
         ("model", json!(name)),
         ("equilibrium", named(&found.place)),
         ("speeds", named(&found.speeds)),
@@ -127,5 +131,6 @@ fn as_json(name: &str, found: &StateSpace) -> Value {
         ("frequencies_hz", found.analysis.eigenvalues.iter().map(|x| number(x.im / TAU)).collect::<Vec<_>>().into()),
         ("shapes", shapes.into()),
         ("stability", json!(verdict(found.analysis.stability))),
-    ])
+    ];
+    object(entries.into_iter().chain(trim.map(Trim::as_json)))
 }

@@ -271,16 +271,16 @@ impl Constrained {
             let row = |i: usize| y.iter().enumerate().map(|(k, y)| y * self.motions[(i, k)]).sum();
             (0..self.motions.nrows()).map(row).collect()
         };
-        let mut carried = DVector::zeros(self.motions.nrows());
+        let mut carried = vec![Complex::ZERO; self.motions.nrows()];
         for (source, amplitude) in &drive.parts {
             if let Source::Input(k) = source {
-                carried += self.carried.column(*k) * *amplitude;
+                carried.iter_mut().zip(self.carried.column(*k).iter()).for_each(|(sum, p)| *sum += amplitude * *p);
             }
         }
-        let total = whole(&reduced.total).iter().zip(carried.iter()).map(|(x, p)| x + *p).collect();
+        let total = whole(&reduced.total).iter().zip(&carried).map(|(x, p)| x + p).collect();
         Ok(Steady {
             total,
-            carried: carried.iter().any(|x| *x != 0.0).then(|| carried.iter().map(|x| Complex::from(*x)).collect()),
+            carried: carried.iter().any(|x| *x != Complex::ZERO).then_some(carried),
             modes: reduced.modes.iter().map(whole).collect(),
             growth: reduced.growth.as_ref().map(whole),
             ..reduced

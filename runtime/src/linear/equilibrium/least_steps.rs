@@ -56,7 +56,9 @@ pub(super) trait Rest {
             if slopes.iter().any(|x| !x.is_finite()) {
                 return Err(iterations);
             }
-            let weights: Vec<f64> = slopes.row_iter().map(|row| 1.0 / row.amax().max(f64::MIN_POSITIVE)).collect();
+            // What nothing that is sought changes cannot be better met.
+            let weight = |most: f64| if most > 0.0 { 1.0 / most } else { 0.0 };
+            let weights: Vec<f64> = slopes.row_iter().map(|row| weight(row.amax())).collect();
             let size = |left: &[f64]| left.iter().zip(&weights).map(|(f, w)| (f * w).powi(2)).sum::<f64>();
             let left = self.left();
             let step = solve_least(&slopes, &DMatrix::from_column_slice(left.len(), 1, &left)).ok_or(iterations)?;

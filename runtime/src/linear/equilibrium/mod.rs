@@ -2,7 +2,6 @@
 
 mod discontinuity;
 mod family;
-#[cfg(feature = "modal")]
 mod least_steps;
 mod linearise;
 mod point;
@@ -12,6 +11,7 @@ mod search;
 #[cfg(feature = "modal")]
 mod state_space;
 mod timed;
+mod trim;
 
 #[cfg(test)]
 pub(super) mod tests;
@@ -29,3 +29,4 @@ pub(super) use search::ConvergenceHistory;
 pub use search::{Equilibrium, Guess, equilibria, equilibrium_here, equilibrium_near};
 #[cfg(feature = "modal")]
 pub use state_space::{StateSpace, linearise_states};
+pub use trim::{Trimmed, TrimmedValue, Unknown, trim};

@@ -8,6 +8,7 @@ use nalgebra::DMatrix;
 use super::Guess;
 use crate::linear::{LinearError, Residual, SparseMatrix, has_dependent_coordinates, short};
 use crate::mechanism::{At, SwitchKind, System};
+use crate::trust::ends_that_meet;
 
 /// Arguments of switches nearer to zero than this, relative to the largest coordinate, are on the surface.
 const ON_SURFACE: f64 = 1e-10;
@@ -75,7 +76,6 @@ impl LinearisationPoint {
     }
 
     /// Accelerations of what rests.
-    #[cfg(feature = "modal")]
     pub(super) fn at_rest(&self) -> &[f64] {
         &self.zero
     }
@@ -312,7 +312,12 @@ impl LinearisationPoint {
         if let Some(i) = now.iter().position(|f| !f.is_finite()) {
             let point: Vec<String> =
                 self.named(q).into_iter().map(|(name, value)| format!("{name} = {}", short(value))).collect();
-            let what = format!("the force on `{}` at {}", self.name(i), point.join(", "));
+            let at = At::new(0.0, q, &self.v).accelerated(&self.zero);
+            let met = ends_that_meet(&**self.system.borrow(), at);
+            let why = met.map_or_else(String::new, |load| {
+                format!(" (a distance, norm or root in `{load}` is zero, where ends that meet have no direction)")
+            });
+            let what = format!("the force on `{}` at {}{why}", self.name(i), point.join(", "));
             return Err(LinearError::NonFinite { what });
         }
         self.check_time(q)?;

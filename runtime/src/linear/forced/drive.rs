@@ -1,5 +1,7 @@
 //! What shakes a mechanism, and where the answer comes from: the frequency response, by modes and by forces.
 
+use std::f64::consts::FRAC_PI_2;
+
 use nalgebra::{Complex, DVector};
 
 use super::Observed;
@@ -8,11 +10,51 @@ use super::response::ROUNDING;
 use crate::linear::modes::Spectrum;
 use crate::linear::{LinearError, Linearised, Reduction};
 
-/// Inputs and forces that swing with one frequency and in step, each with its amplitude.
+/// Inputs and forces that swing with one frequency Ω as one forced vibration: each goes as Re(a e^(iΩt)) with its own complex
+/// amplitude a = A e^(iφ), that is as A cos(Ωt + φ); what has a negative phase φ comes later.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Drive {
-    /// What acts, and its amplitude.
-    pub parts: Vec<(Source, f64)>,
+    /// What acts, and its complex amplitude, SI.
+    pub parts: Vec<(Source, Complex<f64>)>,
+}
+
+impl Drive {
+    /// This drive with something more that goes as `amplitude` cos(Ωt + `phase`); the phase is in radians.
+    ///
+    /// # Example
+    /// The force of an unbalance that turns counterclockwise, cos Ωt along x and sin Ωt along y, on a mass of 1 kg on equal springs
+    /// of 4 N/m: it moves on a circle of radius F/(k − mΩ²), y a quarter of a turn after x.
+    /// ```
+    /// use std::f64::consts::FRAC_PI_2;
+    /// use dalembert::linear::{Drive, Guess, LinearMechanism, Source, equilibrium_near, linearise};
+    /// use nalgebra::DMatrix;
+    /// let one = DMatrix::identity(2, 2);
+    /// let system = LinearMechanism::new(one.clone(), one.clone() * 0.0, one * 4.0)?;
+    /// let linear = linearise(&system, &equilibrium_near(&system, &Guess::at(&[0.0, 0.0]))?)?;
+    /// let unbalance = Drive::from(Source::Force(0)).with(Source::Force(1), 1.0, -FRAC_PI_2);
+    /// let found = linear.steady(&unbalance, 1.0)?.total;
+    /// assert!((found[0].re - 1.0 / 3.0).abs() < 1e-15 && (found[1].im + 1.0 / 3.0).abs() < 1e-15);
+    /// # Ok::<(), dalembert::linear::LinearError>(())
+    /// ```
+    pub fn with(mut self, source: Source, amplitude: f64, phase: f64) -> Drive {
+        self.parts.push((source, turned(amplitude, phase)));
+        self
+    }
+}
+
+/// A e^(iφ); exact at quarters of a turn, whose cosine or sine rounding would not leave at 0.
+pub(crate) fn turned(amplitude: f64, phase: f64) -> Complex<f64> {
+    let quarters = phase / FRAC_PI_2;
+    // Radians of degrees are within a few roundings of a whole number of quarters.
+    if (quarters - quarters.round()).abs() <= 4.0 * f64::EPSILON * quarters.abs() {
+        return match quarters.round().rem_euclid(4.0) as u8 {
+            0 => Complex::new(amplitude, 0.0),
+            1 => Complex::new(0.0, amplitude),
+            2 => Complex::new(-amplitude, 0.0),
+            _ => Complex::new(0.0, -amplitude),
+        };
+    }
+    Complex::from_polar(1.0, phase) * amplitude
 }
 
 /// Something that can swing.
@@ -26,7 +68,7 @@ pub enum Source {
 
 impl From<Source> for Drive {
     fn from(source: Source) -> Drive {
-        Drive { parts: vec![(source, 1.0)] }
+        Drive { parts: vec![(source, Complex::ONE)] }
     }
 }
 

@@ -142,7 +142,9 @@ fn a_steady_state_is_the_sum_of_its_parts() {
     c[(0, 0)] = 0.5;
     let damped = linear(DMatrix::identity(3, 3), c, chain(3, 1.0, true));
     for omega in [0.0, 1.1, 2.0_f64.sqrt()] {
-        let drive = Drive { parts: vec![(Source::Force(0), 2.0), (Source::Force(2), -1.0)] };
+        let drive = Drive {
+            parts: vec![(Source::Force(0), Complex::new(2.0, 0.0)), (Source::Force(2), Complex::new(-1.0, 0.0))],
+        };
         let steady = damped.steady(&drive, omega).unwrap();
         for i in 0..3 {
             let sum: Complex<f64> = steady.modes.iter().map(|mode| mode[i]).sum();

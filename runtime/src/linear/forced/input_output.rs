@@ -50,7 +50,7 @@ const SAME: f64 = 1e-7;
 /// An input, with its name and unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedDrive {
-    /// What acts, of size 1.
+    /// What acts, of size 1; what it consists of in phase.
     pub drive: Drive,
     /// `u`, `a force on x`.
     pub name: String,
@@ -64,7 +64,7 @@ impl Linearised {
     /// M x'' + C x' + K x = f gives x'' = M⁻¹(f − K x − C x'), which stands in A and B, and in C and D of answers that contain accelerations.
     ///
     /// # Errors
-    /// [`LinearError::SingularMass`]; as [`Linearised::driving_force`]; [`LinearError::ReactionToForce`].
+    /// [`LinearError::SingularMass`]; as [`Linearised::driving_force`]; [`LinearError::ReactionToForce`]; [`LinearError::OutOfPhase`].
     ///
     /// # Example
     /// ```
@@ -98,6 +98,9 @@ impl Linearised {
         let (mut inputs, mut forces, mut direct) = (Vec::new(), Vec::new(), Vec::new());
         for NamedDrive { drive, name, unit } in drives {
             self.check_drive(drive)?;
+            if drive.parts.iter().any(|(_, amplitude)| amplitude.im != 0.0) {
+                return Err(LinearError::OutOfPhase { drive: name.clone() });
+            }
             observed.admits(drive)?;
             for order in 0..3 {
                 let force = pushed(drive, order, (&self.input.to_dense(), &self.forces.to_dense()));
@@ -128,8 +131,8 @@ fn pushed(drive: &Drive, order: usize, (input, force): (&DMatrix<f64>, &DMatrix<
     let mut sum = DVector::zeros(input.nrows());
     for (source, amplitude) in &drive.parts {
         match source {
-            Source::Input(k) => sum += input.column(3 * k + order) * *amplitude,
-            Source::Force(k) if order == 0 => sum += force.column(*k) * *amplitude,
+            Source::Input(k) => sum += input.column(3 * k + order) * amplitude.re,
+            Source::Force(k) if order == 0 => sum += force.column(*k) * amplitude.re,
             Source::Force(_) => (),
         }
     }

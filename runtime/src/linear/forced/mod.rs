@@ -16,6 +16,8 @@ mod forced_tests;
 mod steady_tests;
 
 pub use bode::bode;
+#[cfg(feature = "cli")]
+pub(crate) use drive::turned;
 pub use drive::{Drive, Source, Steady};
 pub use harmonic::{Harmonic, beat};
 pub use initial_value::{Motion, solvemode, solvenorm, solvenum};

@@ -177,7 +177,7 @@ impl Observed {
                     x * (turn(1) * slopes[1] + turn(2) * slopes[2] + slopes[0])
                 })
                 .sum();
-            let put_in = |(source, amplitude): &(Source, f64)| match source {
+            let put_in = |(source, amplitude): &(Source, Complex<f64>)| match source {
                 Source::Input(k) => {
                     let input = |order: usize| self.input[(row, 3 * k + order)];
                     turn(1) * input(1) + turn(2) * input(2) + input(0)

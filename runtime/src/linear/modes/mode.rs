@@ -83,8 +83,10 @@ impl Mode {
         for x in &mut shape {
             *x *= factor;
         }
+        // Where M couples coordinates, what each has of the energy may be negative: its size counts.
+        let sizes: f64 = parts.iter().map(|part| part.abs()).sum();
         let mut carriers: Vec<(String, f64)> =
-            names.iter().cloned().zip(parts.iter().map(|part| part / energy)).collect();
+            names.iter().cloned().zip(parts.iter().map(|part| part.abs() / sizes)).collect();
         carriers.retain(|(_, part)| *part >= 0.01);
         carriers.sort_by(|a, b| b.1.total_cmp(&a.1));
         Mode {

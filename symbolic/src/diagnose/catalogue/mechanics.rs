@@ -33,7 +33,7 @@ super::entries! {
         "`start` gives values to coordinates `x` and velocities `x'`.";
     E411 value_out_of_range(context, wanted, found) "a value out of its range"
         "{context} must be {wanted}, this is {found}" "" ""
-        "Tolerances and times are positive, masses are not negative.";
+        "Tolerances are positive, times and masses are not negative.";
     E413 same_ends(name) "a spring or damper between one point and itself"
         "both ends of `{name}` are the same point" "" ""
         "It has no length and no direction.";

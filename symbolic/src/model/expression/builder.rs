@@ -230,7 +230,11 @@ impl ExprBuilder {
             Value::Nothing => Some(vec![Id::ZERO; scope.dimension]),
             Value::Poison | Value::Orientation(_) => None,
             value @ Value::Scalar(_) => {
-                self.problems.push(names::not_a_vector(place, value.describe()));
+                let mut problem = names::not_a_vector(place, value.describe());
+                if let Written::One(text) = written {
+                    problem.help = with_components(scope.dimension, &text.source);
+                }
+                self.problems.push(problem);
                 None
             }
         }
@@ -262,4 +266,18 @@ fn rate_of_symbol(graph: &mut Graph, symbol: Symbol) -> Id {
         (_, Some(rate)) => graph.symbol(rate),
         _ => Id::ZERO,
     }
+}
+
+/// How a number that stands where a vector is wanted is written along the last axis, as gravity mostly is, or along the first.
+fn with_components(dimension: usize, number: &str) -> String {
+    let along = |axis: usize| {
+        let parts: Vec<&str> = (0..dimension).map(|i| if i == axis { number } else { "0" }).collect();
+        format!("`[{}]`", parts.join(", "))
+    };
+    format!(
+        "write its components in ground axes: {} along {}, or {} along x",
+        along(dimension - 1),
+        if dimension == 2 { "y" } else { "z" },
+        along(0)
+    )
 }

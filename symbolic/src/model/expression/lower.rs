@@ -9,7 +9,7 @@ use super::rules::Rules;
 use super::scope::Scope;
 use super::value::{self, Value};
 use crate::diagnose::catalogue::{memory, names, states, syntax};
-use crate::diagnose::{Place, Problem, did_you_mean};
+use crate::diagnose::{Place, Problem, did_you_mean, rate_meant};
 use crate::expr::{DoubleDouble, Id, Rational, Symbol};
 use crate::file::Text;
 use crate::language::{Ast, AstKind, Operator, Range, Span, is_reserved};
@@ -368,7 +368,8 @@ impl<'a> Lower<'a> {
     /// A name that means nothing here.
     pub(super) fn unknown(&mut self, name: &str, span: Span) -> Value {
         let locals = self.locals.iter().map(|(local, _)| local.as_str());
-        let help = did_you_mean(name, self.scope.candidates().chain(locals));
+        let known = did_you_mean(name, self.scope.candidates().chain(locals));
+        let help = rate_meant(name, self.scope.moving()).unwrap_or(known);
         let problem = names::unknown_name(self.place(span), name, help);
         self.refuse(problem)
     }

@@ -19,6 +19,7 @@ pub mod momenta;
 pub mod names;
 pub mod quadrature;
 pub mod quantities;
+pub mod radians;
 pub mod rules;
 pub mod scope;
 pub mod substitute;

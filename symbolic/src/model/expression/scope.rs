@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::dimension::{Dimension, Measure};
+use super::radians::{self, Radians};
 use super::rules::Expected;
 use super::value::Value;
 use crate::expr::{Id, Table};
@@ -251,6 +252,8 @@ pub struct Units {
     pub items: Vec<Measure>,
     /// Of the model's energies.
     pub energy: Measure,
+    /// Radians in them, which these do not show.
+    pub radians: Radians,
 }
 
 impl Default for Units {
@@ -263,11 +266,20 @@ impl Default for Units {
             memory: Vec::new(),
             items: Vec::new(),
             energy: Measure::Unknown,
+            radians: Radians::new(),
         }
     }
 }
 
 impl Units {
+    /// Notes how many radians a name has by its unit as it is written.
+    pub fn note_radians(&mut self, name: &str, words: Option<&str>) {
+        let radians = words.map_or(0, radians::of_words);
+        if radians != 0 {
+            self.radians.insert(name.to_owned(), radians);
+        }
+    }
+
     /// The unit of a kind of quantity; unknown in a model without units.
     pub fn of(&self, dimension: Dimension) -> Measure {
         if self.pure { Measure::Unknown } else { Measure::Of(dimension) }
@@ -334,6 +346,12 @@ impl Scope {
     /// The item's value, if it is known.
     pub fn value(&self, item: usize) -> Option<&Value> {
         self.values.get(item).and_then(Option::as_ref)
+    }
+
+    /// What has a rate.
+    pub fn moving(&self) -> impl Iterator<Item = &str> {
+        let moves = |section| matches!(section, Section::Coordinate | Section::State | Section::Input);
+        self.names.iter().filter(move |(_, entry)| moves(entry.section)).map(|(name, _)| name.as_str())
     }
 
     /// Everything an expression could have meant.

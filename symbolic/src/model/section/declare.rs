@@ -136,6 +136,7 @@ impl Resolver<'_> {
             for member in &family.members {
                 let place = self.model.coordinates.len() as u32;
                 if self.declare(Section::Coordinate, member, Member::Coordinate(place), &spot.place) {
+                    self.scope.units.note_radians(&member.base, unit.as_deref());
                     let coordinate = Coordinate { name: member.name(), unit: unit.clone(), place: spot.place.of_key() };
                     self.model.coordinates.push(coordinate);
                     self.scope.units.coordinates.push(measure);

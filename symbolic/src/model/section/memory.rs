@@ -46,6 +46,7 @@ impl Resolver<'_> {
                 };
                 let place = self.model.memory.len() as u32;
                 if self.declare(Section::Memory, member, Member::Memory(place), &spot.place) {
+                    self.scope.units.note_radians(&member.base, unit.as_deref());
                     let (name, place) = (member.name(), spot.place.of_key());
                     self.model.memory.push(HeldValue { name, unit, start: Id::ZERO, place });
                     self.scope.units.memory.push(measure);

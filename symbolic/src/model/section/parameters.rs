@@ -87,6 +87,7 @@ impl Resolver<'_> {
                     });
                     let place = spot.place.of_key();
                     let measure = self.note_unit(value.unit.as_ref().map(|(_, unit)| unit));
+                    self.scope.units.note_radians(&member.base, unit.as_deref());
                     self.scope.units.parameters.push(if is_angle { Measure::ONE } else { measure });
                     self.model.parameters.push(Parameter { name: member.name(), family, unit, default, place });
                 }

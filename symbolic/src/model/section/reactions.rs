@@ -8,6 +8,7 @@ use crate::diagnose::catalogue::{names, sections};
 use crate::expr::{Id, Symbol, vectors};
 use crate::file::{Node, Spot};
 use crate::model::expression::families::Locals;
+use crate::model::expression::radians;
 use crate::model::expression::rules::Rules;
 use crate::model::expression::scope::{Member, Section};
 use crate::model::resolved::{Push, Reaction};
@@ -47,6 +48,9 @@ impl<'a> Resolver<'a> {
                 for member in &family.members {
                     let place = self.scope.reactions.len();
                     if self.declare(Section::Reaction, member, Member::Reaction(place), &spot.place) {
+                        if couple {
+                            self.scope.units.radians.insert(member.base.clone(), radians::TORQUE);
+                        }
                         let reaction = Reaction { name: member.name(), first: symbols, components, scalar, couple };
                         self.scope.reactions.push(reaction);
                         symbols += components as u32;

@@ -15,6 +15,7 @@ use crate::model::expression::joints;
 use crate::model::expression::lower::Lower;
 use crate::model::expression::names::Solid;
 use crate::model::expression::quantities::stands_alone;
+use crate::model::expression::radians;
 use crate::model::expression::rules::Rules;
 use crate::model::expression::scope::{JointRow, Member, Scope};
 use crate::model::expression::value::{self, Value};
@@ -100,6 +101,7 @@ pub fn resolve_values(builder: &mut ExprBuilder, scope: &mut Scope, items: &[Ite
             if needs.is_empty() || builder.exhausted() {
                 scope.values[top] = Some(if builder.exhausted() { Value::Poison } else { value });
                 scope.units.items[top] = builder.measured;
+                note_radians(scope, top, &items[top]);
                 states[top] = State::Done;
                 stack.pop();
                 continue;
@@ -386,6 +388,26 @@ fn turned_from(builder: &mut ExprBuilder, scope: &Scope, from: &Text, item: &Ite
 }
 
 /// The open items on the stack, from the one that is needed again to the top, are a cycle.
+/// Notes how many radians an item has: by its unit, where one is written, else by its expression; of a constraint, how many its reaction has.
+fn note_radians(scope: &mut Scope, place: usize, item: &Item) {
+    let Some(Written::One(text)) = &item.written else { return };
+    let name = item.name.split('[').next().unwrap_or_default().to_owned();
+    if let Some(constraint) = scope.constraints.iter().find(|constraint| constraint.item == place) {
+        let radians = radians::of(&text.ast, &scope.units.radians);
+        let name = constraint.name.split('[').next().unwrap_or_default();
+        scope.units.radians.insert(radians::of_reaction(name), -radians);
+        return;
+    }
+    let words = text.source.get(text.ast.span.end as usize..).unwrap_or_default().trim();
+    let radians = match words {
+        "" => radians::of(&text.ast, &scope.units.radians),
+        words => radians::of_words(words),
+    };
+    if radians != 0 {
+        scope.units.radians.insert(name, radians);
+    }
+}
+
 fn report_cycle(builder: &mut ExprBuilder, items: &[Item], stack: &[usize], states: &[State], again: usize) {
     let mut open: Vec<usize> = Vec::new();
     for &item in stack {

@@ -25,6 +25,13 @@ pub fn looks_like_degrees(words: &str) -> bool {
 
 const SCENE_KEYS: [&str; 9] = ["start", "until", "tolerance", "every", "phase", "set", "guess", "also", "needs"];
 
+/// Which numbers a setting may have.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Least {
+    AboveZero,
+    Zero,
+}
+
 const END: Rules = Rules::constant("the end of a run").si(Dimension::TIME);
 const SPACING: Rules = Rules::constant("a spacing").si(Dimension::TIME);
 const TOLERANCE: Rules = Rules::constant("a tolerance").si(Dimension::ONE);
@@ -121,7 +128,8 @@ impl Resolver<'_> {
         if let Some(set) = get("set") {
             self.set(&set, &mut scene);
         }
-        scene.until = get("until").and_then(|spot| self.positive(&spot, END, &scene)).unwrap_or(scene.until);
+        scene.until =
+            get("until").and_then(|spot| self.above(&spot, (END, Least::Zero), &scene)).unwrap_or(scene.until);
         let tolerance = get("tolerance").and_then(|spot| self.positive(&spot, TOLERANCE, &scene));
         scene.tolerance = tolerance.unwrap_or(scene.tolerance);
         scene.every = get("every").and_then(|spot| self.positive(&spot, SPACING, &scene));
@@ -224,15 +232,21 @@ impl Resolver<'_> {
 
     /// A positive number of parameters.
     pub fn positive(&mut self, spot: &Spot<'_>, rules: Rules, scene: &Scene) -> Option<Id> {
+        self.above(spot, (rules, Least::AboveZero), scene)
+    }
+
+    /// A number of parameters that is no less than 0.
+    fn above(&mut self, spot: &Spot<'_>, (rules, least): (Rules, Least), scene: &Scene) -> Option<Id> {
         let what = rules.what;
         let quantity = spot.quantity(&mut self.builder.problems)?;
         let value = self.setting(&quantity, rules, &Self::no_locals())?;
         let constant = self.builder.graph.number(value).is_some();
         let parameters = if constant { Vec::new() } else { self.scene_parameters(scene) };
         match crate::model::command::evaluate(&self.builder.graph, value, &parameters) {
-            Some(number) if number > 0.0 => Some(value),
+            Some(number) if number > 0.0 || number == 0.0 && least == Least::Zero => Some(value),
             Some(number) => {
-                let problem = mechanics::value_out_of_range(spot.place.clone(), what, "positive", number);
+                let wanted = if least == Least::Zero { "no less than 0" } else { "positive" };
+                let problem = mechanics::value_out_of_range(spot.place.clone(), what, wanted, number);
                 self.builder.problems.push(problem);
                 None
             }
@@ -409,8 +423,9 @@ impl Resolver<'_> {
             return self.coordinate(member, &spot.place);
         }
         let known = self.model.coordinates.iter().map(|c| c.name.trim_start_matches(HIDDEN));
-        let known = known.map(|name| name.split('[').next().unwrap_or(name));
-        let help = crate::diagnose::did_you_mean(&member.base, known);
+        let known: Vec<&str> = known.map(|name| name.split('[').next().unwrap_or(name)).collect();
+        let rate = crate::diagnose::rate_meant(&member.base, known.iter().copied());
+        let help = rate.unwrap_or_else(|| crate::diagnose::did_you_mean(&member.base, known));
         self.builder.problems.push(mechanics::unknown_start(spot.place.of_key(), key, help));
         None
     }

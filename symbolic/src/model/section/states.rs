@@ -73,6 +73,7 @@ impl Resolver<'_> {
                     unit: hidden,
                     place: place.clone(),
                 });
+                self.scope.units.note_radians(&member.base, unit.as_deref());
                 self.model.states.push(StateOfFirstOrder { name, unit, rate: Id::ZERO, place });
                 self.scope.units.coordinates.push(Measure::Unknown);
                 self.scope.units.states.push(entry.measure);

@@ -9,6 +9,7 @@ use crate::expr::{Binary, Graph, Id, Node as Expression, Unary};
 use crate::file::{Node, Spot, Text, Written};
 use crate::model::expression::dimension::{Dimension, Measure};
 use crate::model::expression::families::{Expanded, Locals};
+use crate::model::expression::radians;
 use crate::model::expression::rules::Rules;
 use crate::model::expression::scope::Member;
 use crate::model::expression::value::Value;
@@ -256,7 +257,8 @@ impl Resolver<'_> {
         let value = self.builder.written(&self.scope, written, Rules::anything("an output"), locals);
         self.watch(&name, &value);
         let known = self.builder.measured.dimension().filter(|dimension| *dimension != Dimension::ONE);
-        let unit = known.map(|dimension| dimension.to_string());
+        let ast = if let Written::One(text) = written { Some(&*text.ast) } else { None };
+        let unit = known.map(|dimension| radians::unit(dimension, ast, &self.scope.units.radians));
         self.model.outputs.push(Output { name, value: components(value, 1), unit, of_reactions: false });
     }
 
