@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{accepted, refused, told};
+use super::{accepted, refused};
 use dalembert_symbolic::lower::compile;
 use dalembert_symbolic::model::{Sets, load, load_in, read_through_in};
 
