@@ -2,7 +2,7 @@
 
 use super::contacts::NONE;
 use super::sampling::NOTHING;
-use super::{Contacts, Description, Energy, Gimbal, Motion, Real, Sampling, Scene, Series, SingularMass};
+use super::{Contacts, Description, Energy, Gimbal, Motion, Real, Sampling, Scene, Series, SingularMass, Table2d};
 
 /// A block of scalars of a size that only generated code knows: an array `[S; K]`.
 #[doc(hidden)]
@@ -43,6 +43,10 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
     fn description() -> &'static Description;
     /// Sequences of three angles that can lock.
     fn gimbals() -> &'static [Gimbal] {
+        &[]
+    }
+    /// Functions of two arguments that the file gives by values on a grid.
+    fn tables_2d() -> &'static [Table2d] {
         &[]
     }
     /// What is held, set and sampled.

@@ -26,6 +26,7 @@ mod solve;
 mod subsystem;
 mod system;
 mod table;
+mod table_2d;
 
 pub use at::At;
 pub use balances::Balances;
@@ -62,6 +63,8 @@ pub(crate) use subsystem::OfPart;
 pub use system::{Along, Function, Signal, System};
 #[doc(hidden)]
 pub use table::Table;
+#[doc(hidden)]
+pub use table_2d::Table2d;
 
 /// Energies of a state.
 ///

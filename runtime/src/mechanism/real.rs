@@ -2,7 +2,7 @@
 //!
 //! Every method is `#[inline]`: in an incremental build these calls would otherwise stay calls in generated code.
 
-use super::Table;
+use super::{Table, Table2d};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A real number, or several side by side (lanes): what generated functions compute with.
@@ -98,6 +98,12 @@ pub trait Real:
     #[inline]
     fn table(self, table: &Table, order: usize) -> Self {
         table.evaluate(self, order)
+    }
+
+    /// A table of two arguments at this one and another, or one of its derivatives by both there.
+    #[inline]
+    fn table_2d(self, other: Self, table: &Table2d, order: [usize; 2]) -> Self {
+        table.evaluate(self, other, order)
     }
 
     /// The smaller of two.

@@ -52,6 +52,11 @@ pub(crate) fn introduce(graph: &mut Graph, roots: &[Id], signals: usize) -> (Vec
             found.points(graph, table, x);
             return None;
         }
+        if let Node::Binary(Binary::Table(table), x, y) = node {
+            found.points(graph, table.along(0), x);
+            found.points(graph, table.along(1), y);
+            return None;
+        }
         if let Some(argument) = branches::argument(graph, node) {
             if found.switches.len() > SWITCH_LIMIT || !found.contents(graph, argument).moves {
                 return None;

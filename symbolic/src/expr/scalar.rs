@@ -54,6 +54,7 @@ impl Scalar for f64 {
             Binary::Atan2 => x.atan2(y),
             Binary::Min => x.min(y),
             Binary::Max => x.max(y),
+            Binary::Table(table) => table.at(x.into(), y.into()).to_f64(),
         }
     }
 }
@@ -95,6 +96,7 @@ impl Scalar for DoubleDouble {
             Binary::Atan2 => x.atan2(y),
             Binary::Min => x.min(y),
             Binary::Max => x.max(y),
+            Binary::Table(table) => table.at(x, y),
         }
     }
 }

@@ -93,6 +93,7 @@ pub const METHODS: &[&str] = &[
     "start_conditions",
     "switches",
     "system",
+    "tables_2d",
     "time_dependence",
     "time_jacobian",
     "to_owned",

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::dimension::{Dimension, Measure};
 use super::rules::Expected;
 use super::value::Value;
-use crate::expr::{Id, Table};
+use crate::expr::{Id, Table, Table2d};
 use crate::language::FUNCTIONS;
 use crate::model::resolved::{Body, Reaction};
 
@@ -214,13 +214,22 @@ pub enum JointRow {
     },
 }
 
+/// A table of one argument or of two.
+#[derive(Clone, Copy, Debug)]
+pub enum TableKind {
+    /// Of one.
+    One(Table),
+    /// Of two.
+    Two(Table2d),
+}
+
 /// A function that is given by points.
 #[derive(Clone, Debug)]
 pub struct TableNames {
     /// The function, in SI.
-    pub table: Table,
-    /// The unit of its argument.
-    pub of: Measure,
+    pub table: TableKind,
+    /// The units of its arguments.
+    pub of: Vec<Measure>,
     /// The unit of its value.
     pub gives: Measure,
 }

@@ -32,4 +32,5 @@ mod solids;
 pub mod springs;
 pub mod states;
 pub mod tables;
+mod tables_2d;
 pub mod watched;
