@@ -20,6 +20,7 @@ const MODEL: &[Key] = &[
     ("parameters", "value*", "A value, then a unit: `1.5 kg`; computed from others it is derived"),
     ("coordinates", "unit*", "Generalized coordinates with their units"),
     ("memory", "value*", "Values that are held until an event sets them"),
+    ("noise", "noise*", "Normally distributed numbers, held from tick to tick"),
     ("states", "state*", "States of first order: the rate, or {unit, rate}, or {unit, equation}"),
     ("inputs", "expression*", "Functions of time, used like coordinates"),
     ("define", "value*", "Named scalars or vectors"),
@@ -64,6 +65,17 @@ const OBJECTS: &[(&str, &[Key])] = &[
             ("units", "list", "[m, mm], or three of two arguments"),
             ("smooth", "expression", "2: a cubic spline; 1: no steeper than the points; 0: straight"),
             ("periodic", "flag", "Whether it repeats itself; of two arguments x, y or true for both"),
+        ],
+    ),
+    (
+        "noise",
+        &[
+            ("every", "expression", "The time from tick to tick"),
+            ("from", "expression", "The first tick [0]"),
+            ("sigma", "expression", "The standard deviation, 2 N"),
+            ("density", "expression", "Instead: the two-sided spectral density of white noise, 0.01 N^2*s"),
+            ("seed", "expression", "A whole number, or a parameter [0]"),
+            ("smooth", "expression", "0: held from tick to tick; 1: straight between them"),
         ],
     ),
     (
@@ -350,6 +362,7 @@ mod tests {
             let section = match *object {
                 "body" => "bodies: {a: {qqqqqqqq: 1}}".to_owned(),
                 "scene" => "scene: {qqqqqqqq: 1}".to_owned(),
+                "noise" => "noise: {a: {qqqqqqqq: 1}}".to_owned(),
                 "closing" => "motions: {a: {closes: {qqqqqqqq: 1}}}".to_owned(),
                 "fit" => "motions: {a: {fit: {qqqqqqqq: 1}}}".to_owned(),
                 "need" => "scene: {needs: {qqqqqqqq: 1}}".to_owned(),

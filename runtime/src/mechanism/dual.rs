@@ -3,6 +3,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+use super::noise::normal;
 use super::{Real, Table, Table2d};
 
 /// x + x' ε with ε² = 0: a value and its derivative in one direction (Griewank and Walther, Evaluating Derivatives,
@@ -205,6 +206,11 @@ impl Real for Dual {
     fn table(self, table: &Table, order: usize) -> Dual {
         let at = |order| table.evaluate(self.value, order);
         self.mapped(at(order), at(order + 1))
+    }
+
+    /// No slope: the numbers of a stream are as they are.
+    fn normal(self, place: Dual, key: u64) -> Dual {
+        Dual::constant(normal(key, self.value, place.value))
     }
 
     fn table_2d(self, other: Dual, table: &Table2d, [x, y]: [usize; 2]) -> Dual {

@@ -2,6 +2,7 @@
 //!
 //! Every method is `#[inline]`: in an incremental build these calls would otherwise stay calls in generated code.
 
+use super::noise::normal;
 use super::{Table, Table2d};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -104,6 +105,12 @@ pub trait Real:
     #[inline]
     fn table_2d(self, other: Self, table: &Table2d, order: [usize; 2]) -> Self {
         table.evaluate(self, other, order)
+    }
+
+    /// The number of standard normal distribution of this seed and a place in the stream of a key.
+    #[inline]
+    fn normal(self, place: Self, key: u64) -> Self {
+        Self::gather(|lane| normal(key, self.lane(lane), place.lane(lane)))
     }
 
     /// The smaller of two.

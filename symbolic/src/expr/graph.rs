@@ -86,6 +86,8 @@ pub enum Binary {
     Min,
     Max,
     Table(Table2d),
+    /// The number of standard normal distribution of a seed and a place in the stream of this key.
+    Normal(u64),
 }
 
 /// One node of the graph.

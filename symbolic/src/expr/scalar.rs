@@ -1,7 +1,7 @@
 //! What expressions are evaluated in.
 
 use super::{Binary, Unary};
-use crate::number::DoubleDouble;
+use crate::number::{DoubleDouble, normal};
 
 /// A kind of number that knows every operation of the graph.
 pub trait Scalar: Copy {
@@ -55,6 +55,7 @@ impl Scalar for f64 {
             Binary::Min => x.min(y),
             Binary::Max => x.max(y),
             Binary::Table(table) => table.at(x.into(), y.into()).to_f64(),
+            Binary::Normal(key) => normal(key, x, y),
         }
     }
 }
@@ -97,6 +98,7 @@ impl Scalar for DoubleDouble {
             Binary::Min => x.min(y),
             Binary::Max => x.max(y),
             Binary::Table(table) => table.at(x, y),
+            Binary::Normal(key) => normal(key, x.to_f64(), y.to_f64()).into(),
         }
     }
 }

@@ -59,6 +59,7 @@ pub const METHODS: &[&str] = &[
     "friction",
     "from",
     "gimbals",
+    "held_noise",
     "held_rates",
     "input_jacobian",
     "inputs",

@@ -57,6 +57,7 @@ fn written(model: &Model, graph: &Graph, id: Id, budget: &mut usize) -> (String,
                 Binary::Atan2 => "atan2",
                 Binary::Min => "min",
                 Binary::Table(table) => table.name(),
+                Binary::Normal(_) => "normal",
                 _ => "max",
             };
             (format!("{name}({}, {})", at(x, Level::Sum), at(y, Level::Sum)), Level::Atom)

@@ -333,6 +333,7 @@ impl Writer<'_> {
             Binary::Pow | Binary::Atan2 | Binary::Min | Binary::Max => {
                 return made(self.of.dialect.binary(operation, a, b), Level::Atom);
             }
+            Binary::Normal(key) => return made(self.of.dialect.normal(key, a, b), Level::Atom),
             Binary::Table(table) => {
                 let place = self.of.tables_2d.iter().position(|known| *known == table.whole()).unwrap_or(0);
                 return made(self.of.dialect.table_2d(place, table, a, b), Level::Atom);

@@ -60,6 +60,7 @@ impl Lower<'_> {
             Member::Coordinate(place) => units.coordinates.get(place as usize).copied().unwrap_or_default(),
             Member::State(place) => units.states.get(place as usize).copied().unwrap_or_default(),
             Member::Memory(place) => units.memory.get(place as usize).copied().unwrap_or_default(),
+            Member::Noise(place) => units.memory.get(self.scope.noise[place].1).copied().unwrap_or_default(),
             Member::Input(_, place) | Member::Item(place) | Member::Frame(place) => item(place),
             Member::Body(place) => item(self.scope.bodies[place].position),
             Member::Reaction(_) if units.pure => Measure::ONE,

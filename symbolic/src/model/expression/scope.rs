@@ -22,6 +22,8 @@ pub enum Section {
     State,
     /// `memory`
     Memory,
+    /// `noise`
+    Noise,
     /// `inputs`
     Input,
     /// `define`
@@ -53,6 +55,7 @@ impl Section {
             Section::Coordinate => "coordinates",
             Section::State => "states",
             Section::Memory => "memory",
+            Section::Noise => "noise",
             Section::Input => "inputs",
             Section::Definition => "define",
             Section::Frame => "frames",
@@ -74,6 +77,7 @@ impl Section {
             Section::Coordinate => "a coordinate",
             Section::State => "a state",
             Section::Memory => "a held value",
+            Section::Noise => "noise",
             Section::Input => "an input",
             Section::Definition => "a definition",
             Section::Frame => "a frame",
@@ -103,6 +107,8 @@ pub enum Member {
     State(u32),
     /// A held value, by its place.
     Memory(u32),
+    /// Held noise, by its place.
+    Noise(usize),
     /// An input, by its place, and the item that holds its expression.
     Input(u32, usize),
     /// A derived parameter, definition or point: the item that holds its value.
@@ -322,6 +328,8 @@ pub struct Scope {
     pub joints: Vec<JointNames>,
     /// Tables in the file's order.
     pub tables: Vec<TableNames>,
+    /// Values of noise, each with the place of the held value whose unit it has.
+    pub noise: Vec<(Id, usize)>,
     /// Known once bodies and loads are.
     pub energies: Option<Energies>,
     /// Bodies with their masses and inertias, known with the energies.

@@ -20,6 +20,7 @@ pub mod joints;
 pub mod loads;
 pub mod memory;
 pub mod motions;
+pub mod noise;
 pub mod parameters;
 pub mod phases;
 pub mod reactions;

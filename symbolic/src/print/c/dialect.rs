@@ -183,6 +183,10 @@ impl Dialect for C<'_> {
         format!("{}_table_2d_{place}({}, {}, {of_x}, {of_y})", self.prefix, x.text, y.text)
     }
 
+    fn normal(&self, key: u64, seed: &Piece, place: &Piece) -> String {
+        format!("{}_normal({}, {}, UINT64_C({key:#018x}))", self.prefix, seed.text, place.text)
+    }
+
     fn turn(&self, names: &[Option<String>; 2], angle: &Piece) -> String {
         let call = |(name, function): (&Option<String>, &str)| {
             name.as_ref().map(|name| format!("{name} = {function}({})", angle.text))

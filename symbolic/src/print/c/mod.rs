@@ -4,6 +4,7 @@ mod acceleration;
 mod declarations;
 mod dialect;
 mod function;
+mod normal;
 mod starts;
 mod tables_2d;
 
@@ -59,7 +60,7 @@ pub fn c(program: &Program, name: &str) -> CText {
     let prefix = dialect::identifier(name);
     let (tables, tables_2d) = (program.tables(), program.tables_2d());
     let own = (0..tables.len()).map(|place| format!("{prefix}_table_{place}"));
-    let own = own.chain(tables_2d::names(&prefix, tables_2d.len()));
+    let own = own.chain(tables_2d::names(&prefix, tables_2d.len())).chain(normal::names(&prefix));
     let taken = KEYWORDS.iter().chain(super::OWN).chain(dialect::TAKEN).map(|name| (*name).to_owned());
     let mut names = Names::of(&program.model, Scope::with(taken.chain(own)));
     let constants = hoist(program);

@@ -235,6 +235,7 @@ impl Writing {
                 let name = match function {
                     Binary::Atan2 => "atan2",
                     Binary::Min => "min",
+                    Binary::Normal(_) => "normal",
                     _ => "max",
                 };
                 (false, Formula::Call(name, vec![self.whole(x), self.whole(y)]))
