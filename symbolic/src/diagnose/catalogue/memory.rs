@@ -22,7 +22,4 @@ super::entries! {
     E276 integral_of_memory(name) "a held value in an integral"
         "`{name}` contains a held value, and an integral may not" "" "take it out of the integral where it is a factor; else compute the integral as a state: `rate`"
         "An integral is computed by a rule that was tried at the values that its integrand may have, and a held value may have any.";
-    E281 bad_noise(name, why, help) "noise that is not determined"
-        "`{name}` is no noise: {why}" "" "{help}"
-        "Held noise has a period, `every`, how large it is, `sigma` or `density`, and a seed, a whole number or a parameter: these decide all its numbers.";
 }

@@ -21,67 +21,53 @@ fn nth(table: Table2d, [x, y]: [usize; 2]) -> Table2d {
     (0..y).fold(by_x, |table, _| table.derivative(1).expect("a derivative"))
 }
 
-/// Against splines by their second derivatives, in fractions of Python's integers, along y first and then along x: f, f_x, f_y, f_xy,
-/// f_xx, f_yy, f_xxyy inside, and beyond one end, two and three.
+/// f, f_x, f_y, f_xy, f_xx, f_yy, f_xxyy inside, and beyond one end, two and three: splines by their second derivatives, in fractions of
+/// Python's integers, along y first and then along x.
+const SPLINE: [(f64, f64, [f64; 7]); 5] = [
+    (
+        0.3,
+        0.7,
+        [
+            -0.21139842804381848,
+            -2.0979750994261868,
+            -3.800791132930919,
+            -21.352072742231165,
+            10.420641051643193,
+            3.19460472702884,
+            -25.58910583501006,
+        ],
+    ),
+    (
+        1.1,
+        1.6,
+        [
+            0.25061884394366196,
+            5.747769449765258,
+            4.209883252582159,
+            -21.20732035233624,
+            5.983430309859155,
+            14.046066929577465,
+            -57.753484104627766,
+        ],
+    ),
+    (
+        2.5,
+        -2.0,
+        [-2.46378604963112, -9.467952157388778, 1.2666029510395707, 6.266074223116477, -15.375425888665326, 0.0, 0.0],
+    ),
+    (4.0, 6.0, [-26.147328414934048, -29.019709367315002, -16.385870780236978, -15.822061256427453, 0.0, 0.0, 0.0]),
+    (
+        -1.0,
+        0.5,
+        [-1.7963242417467769, 1.802276622699158, 30.565232506148, -27.113089649005143, 0.0, 12.891196065280573, 0.0],
+    ),
+];
+
 #[test]
 fn a_bicubic_spline_is_a_spline_of_splines() {
     let orders = [[0, 0], [1, 0], [0, 1], [1, 1], [2, 0], [0, 2], [2, 2]];
     let table = Table2d::new("s", &grid(), Smooth::Twice, [false; 2]);
-    for (x, y, wanted) in [
-        (
-            0.3,
-            0.7,
-            [
-                -0.21139842804381848,
-                -2.0979750994261868,
-                -3.800791132930919,
-                -21.352072742231165,
-                10.420641051643193,
-                3.19460472702884,
-                -25.58910583501006,
-            ],
-        ),
-        (
-            1.1,
-            1.6,
-            [
-                0.25061884394366196,
-                5.747769449765258,
-                4.209883252582159,
-                -21.20732035233624,
-                5.983430309859155,
-                14.046066929577465,
-                -57.753484104627766,
-            ],
-        ),
-        (
-            2.5,
-            -2.0,
-            [
-                -2.46378604963112,
-                -9.467952157388778,
-                1.2666029510395707,
-                6.266074223116477,
-                -15.375425888665326,
-                0.0,
-                0.0,
-            ],
-        ),
-        (4.0, 6.0, [-26.147328414934048, -29.019709367315002, -16.385870780236978, -15.822061256427453, 0.0, 0.0, 0.0]),
-        (
-            -1.0,
-            0.5,
-            [
-                -1.7963242417467769,
-                1.802276622699158,
-                30.565232506148,
-                -27.113089649005143,
-                0.0,
-                12.891196065280573,
-                0.0,
-            ],
-        ),
-    ] {
+    for (x, y, wanted) in SPLINE {
         for (order, wanted) in orders.into_iter().zip(wanted) {
             let found = value(nth(table, order), x, y);
             assert!(
@@ -91,10 +77,8 @@ fn a_bicubic_spline_is_a_spline_of_splines() {
         }
     }
     assert_eq!((nth(table, [1, 2]).name(), nth(table, [1, 2]).whole(), table.order()), ("s_xyy", table, [0, 0]));
-    assert_eq!(
-        (nth(table, [3, 0]).derivative(0), table),
-        (None, Table2d::new("s", &grid(), Smooth::Twice, [false; 2]))
-    );
+    let again = Table2d::new("s", &grid(), Smooth::Twice, [false; 2]);
+    assert_eq!((nth(table, [3, 0]).derivative(0), table), (None, again));
 }
 
 #[test]

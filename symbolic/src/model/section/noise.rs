@@ -2,7 +2,7 @@
 //!
 //! Each is made of what `memory` and `events` could say, but for the numbers themselves: held values, a clock, and an event that sets them.
 
-use crate::diagnose::catalogue::{mechanics, memory, names, sections};
+use crate::diagnose::catalogue::{mechanics, names, noise, sections};
 use crate::expr::{Binary, Id, Node, Number, Rational, Symbol, Unary};
 use crate::file::{Quantity, Spot};
 use crate::model::event::{Clock, Event, EventAction, HeldValue, Noise, Set, Target, Trigger};
@@ -128,11 +128,11 @@ impl<'a> Resolver<'a> {
         let Ok(number) = words.trim().parse::<f64>() else {
             return given?.quantity(&mut self.builder.problems).map(Seed::Given);
         };
-        if number.fract() != 0.0 || !(number.abs() < LARGEST_SEED) {
+        if number.fract() != 0.0 || number.abs() >= LARGEST_SEED {
             let place = given.map_or_else(|| spot.place.clone(), |seed| seed.place);
             let (why, help) =
                 (format!("its seed is {words}"), "a seed is a whole number of up to 15 digits, or a parameter");
-            self.builder.problems.push(memory::bad_noise(place, &family.key.name, why, help));
+            self.builder.problems.push(noise::bad_noise(place, &family.key.name, why, help));
             return None;
         }
         let (place, name) = (self.model.parameters.len() as u32, format!("{}_seed", family.key.name));

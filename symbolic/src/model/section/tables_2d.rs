@@ -118,11 +118,11 @@ fn grid_of(lines: &[[f64; 3]]) -> Result<Grid, (String, &'static str)> {
         numbers
     };
     let (x, y) = (rising(0), rising(1));
-    let mut values = vec![vec![None; y.len()]; x.len()];
     if x.len().saturating_mul(y.len()) > lines.len() {
         let why = format!("its {} lines are no grid of {} x by {} y", lines.len(), x.len(), y.len());
         return Err((why, help));
     }
+    let mut values = vec![vec![None; y.len()]; x.len()];
     for [at_x, at_y, value] in lines {
         let place = |knots: &[f64], at: f64| knots.partition_point(|knot| *knot < at);
         let slot = &mut values[place(&x, *at_x)][place(&y, *at_y)];
