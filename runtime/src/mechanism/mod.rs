@@ -49,6 +49,8 @@ pub(crate) use kkt::{KktSolver, Solutions};
 pub use method::{Method, ParseMethodError};
 pub use motion::{Closes, ClosesBy, Extreme, Goal, Motion, MotionNumbers};
 pub use noise::Noise;
+#[cfg(feature = "modal")]
+pub(crate) use noise::is_of_noise;
 pub use phased::RowHistory;
 pub use rates::{choose_sides, rate_jacobian};
 pub use real::Real;

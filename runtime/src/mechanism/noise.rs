@@ -1,7 +1,8 @@
 //! Held noise: values that ticks set to normally distributed numbers, which are the same bits whatever asks for them, and when.
 
-use super::List;
-use super::Text;
+use super::{List, Text};
+#[cfg(feature = "modal")]
+use super::{System, Trigger};
 
 /// Noise that is held between ticks, or straight between them.
 ///
@@ -37,6 +38,15 @@ pub struct Noise {
     pub event: u32,
     /// What it holds, by places among held values; its number at the last tick first.
     pub held: List<u32>,
+}
+
+/// Whether a clock ticks for noise alone.
+#[cfg(feature = "modal")]
+pub(crate) fn is_of_noise<S: System + ?Sized>(system: &S, clock: usize) -> bool {
+    let ticks = |event: &usize| *system.sampling().trigger(*event) == Trigger::Tick(clock as u32);
+    let mut events = (0..system.description().events.len()).filter(ticks).peekable();
+    let is_noise = |event: usize| system.held_noise().iter().any(|noise| noise.event as usize == event);
+    events.peek().is_some() && events.all(is_noise)
 }
 
 /// The number of standard normal distribution at a place of the sequence of a seed, both rounded to whole numbers, in the stream of a key.

@@ -1,7 +1,7 @@
 //! Which clocks tick when, until they come together again.
 
 use crate::linear::LinearError;
-use crate::mechanism::{System, Trigger};
+use crate::mechanism::{System, is_of_noise};
 
 /// More ticks than this until all clocks come together again are refused.
 pub(super) const MOST_TICKS: usize = 10_000;
@@ -23,7 +23,7 @@ impl Cycle {
     pub fn of<S: System + ?Sized>(system: &S) -> Result<Cycle, LinearError> {
         let all = system.clocks();
         let clocks: Vec<(usize, [f64; 2])> =
-            all.iter().copied().enumerate().filter(|(k, _)| !of_noise(system, *k)).collect();
+            all.iter().copied().enumerate().filter(|(k, _)| !is_of_noise(system, *k)).collect();
         let Some((_, [start, first])) = clocks.first().copied() else { return Err(LinearError::NotSampled) };
         // So many periods of the first clock, by what its period is to each of the others.
         let mut count = 1_u64;
@@ -57,14 +57,6 @@ impl Cycle {
         let gaps: Vec<f64> = (0..times.len()).map(|k| next(k) - times[k].0).collect();
         Ok(Cycle { instants: times.into_iter().map(|(_, ticking)| ticking).zip(gaps).collect(), period })
     }
-}
-
-/// Whether a clock ticks for noise alone, which stays at its mean.
-fn of_noise<S: System + ?Sized>(system: &S, clock: usize) -> bool {
-    let ticks = |event: &usize| *system.sampling().trigger(*event) == Trigger::Tick(clock as u32);
-    let mut events = (0..system.description().events.len()).filter(ticks).peekable();
-    let is_noise = |event: usize| system.held_noise().iter().any(|noise| noise.event as usize == event);
-    events.peek().is_some() && events.all(is_noise)
 }
 
 /// The quotient of whole numbers, the second no larger than [`MOST_TICKS`], that a number is to rounding, by its continued fraction.
