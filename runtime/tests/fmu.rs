@@ -12,7 +12,7 @@ const MODELS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../models");
 const TOLERANCE: f64 = 1e-6;
 
 /// What each shows: the model, its options, and where its run is compared.
-const COMPARED: [(&str, &[&str]); 13] = [
+const COMPARED: [(&str, &[&str]); 14] = [
     // Nothing but coordinates.
     ("double_pendulum", &["--until", "2"]),
     ("triple_pendulum", &["--until", "3"]),
@@ -32,6 +32,8 @@ const COMPARED: [(&str, &[&str]); 13] = [
     ("counter", &["--until", "8"]),
     ("sampled_robot", &[]),
     ("thermostat", &[]),
+    // A table of two arguments, of which one is an input.
+    ("engine_map", &["--until", "10"]),
 ];
 
 /// Compares every FMU of a folder with the table beside it; prints a line for each.

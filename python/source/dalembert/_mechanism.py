@@ -250,6 +250,7 @@ class Mechanism:
         vary: Optional[Mapping[str, Union[str, ArrayLike]]] = None,
         *,
         points: Union[None, _Path, Mapping[str, ArrayLike]] = None,
+        seeds: Optional[str] = None,
         scene: Optional[str] = None,
         set: Optional[Values] = None,
         start: Optional[Values] = None,
@@ -269,12 +270,13 @@ class Mechanism:
         """Runs a scene many times in threads.
 
         `vary` gives values by name (`{"l": numpy.linspace(0.5, 2, 100)}`, or `"0.5..2:100"`); several make a grid. `points` gives the
-        values of all runs instead: columns of one length (a mapping or a frame), or a file. Runs that fail are rows too, with an error.
+        values of all runs instead: columns of one length (a mapping or a frame), or a file. `seeds` are those of noise, `"1..100"`. Runs that fail are rows too, with an error.
         """
         with tempfile.TemporaryDirectory() as folder:
             given = options(
                 vary=vary,
                 points=_table(points, folder),
+                seeds=seeds,
                 scene=scene,
                 set=set,
                 start=start,

@@ -273,7 +273,8 @@ fn sweep() -> Command {
         .arg(quiet())
         .args(scene())
         .arg(many("vary", "NAME=A..B:COUNT", "What varies: a parameter, or a coordinate or speed at the start; evenly, evenly in the logarithm (A..B:COUNT:log), or by a list (A,B,C); several make a grid"))
-        .arg(value("points", "FILE.csv", "The values of all runs, a column for each of what varies").conflicts_with("vary"))
+        .arg(value("seeds", "A..B", "Seeds of noise, whole numbers, or a list (A,B,C): all noise of a run has the same; with --vary every combination is run"))
+        .arg(value("points", "FILE.csv", "The values of all runs, a column for each of what varies").conflicts_with_all(["vary", "seeds"]))
         .arg(value("method", "METHOD", "As of `simulate` [default: auto]"))
         .arg(value("step", "TIME", "A fixed step"))
         .arg(value("max-steps", "COUNT", "No more steps than these [default: 10000000]").value_parser(clap::value_parser!(u64)))
@@ -291,7 +292,7 @@ fn sweep() -> Command {
             many("merge", "FILE.csv", "Put the tables of all parts together instead of running")
                 .num_args(1..)
                 .allow_hyphen_values(false)
-                .conflicts_with_all(["vary", "points", "shard", "modes", "resume"]),
+                .conflicts_with_all(["vary", "seeds", "points", "shard", "modes", "resume"]),
         )
 }
 

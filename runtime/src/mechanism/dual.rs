@@ -3,7 +3,8 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::{Real, Table};
+use super::noise::normal;
+use super::{Real, Table, Table2d};
 
 /// x + x' ε with ε² = 0: a value and its derivative in one direction (Griewank and Walther, Evaluating Derivatives,
 /// 2008, 3.1), with a running bound of its rounding error (Higham, Accuracy and Stability of Numerical Algorithms, 2002, 3.3).
@@ -62,7 +63,7 @@ impl Dual {
     }
 
     /// A value of two arguments, by its derivatives by each.
-    fn joined(value: f64, parts: [(Dual, f64); 2]) -> Dual {
+    pub(super) fn joined(value: f64, parts: [(Dual, f64); 2]) -> Dual {
         let [slope, spread] = parts.iter().fold([0.0; 2], |[slope, spread], (x, derivative)| {
             [slope + x.along(*derivative), spread + times(x.rounding, derivative.abs())]
         });
@@ -206,6 +207,16 @@ impl Real for Dual {
         let at = |order| table.evaluate(self.value, order);
         self.mapped(at(order), at(order + 1))
     }
+
+    /// No slope: the numbers of a stream are as they are.
+    fn normal(self, place: Dual, key: u64) -> Dual {
+        Dual::constant(normal(key, self.value, place.value))
+    }
+
+    fn table_2d(self, other: Dual, table: &Table2d, [x, y]: [usize; 2]) -> Dual {
+        let at = |order| table.evaluate(self.value, other.value, order);
+        Dual::joined(at([x, y]), [(self, at([x + 1, y])), (other, at([x, y + 1]))])
+    }
 }
 
 /// Numbers that were rounded when they were made.
@@ -304,5 +315,16 @@ mod tests {
         let table = Table { knots: vec![0.0, 2.0].into(), pieces: pieces.into(), ..Table::default() };
         let found = Dual::moving(1.0, 2.0).table(&table, 0);
         assert_eq!((found.value, found.slope), (2.5, 12.0));
+    }
+
+    #[test]
+    fn tables_of_two_arguments_have_their_own_slopes() {
+        // 1 + 2 x + 3 x² y between 0 and 2, 0 and 3.
+        let mut pieces = vec![[[0.0; 4]; 4]; 9];
+        (pieces[4][0][0], pieces[4][1][0], pieces[4][2][1]) = (1.0, 2.0, 3.0);
+        let knots = [vec![0.0, 2.0].into(), vec![0.0, 3.0].into()];
+        let table = Table2d { knots, pieces: pieces.into(), ..Table2d::default() };
+        let found = Dual::moving(1.0, 0.5).table_2d(Dual::moving(2.0, 10.0), &table, [0, 0]);
+        assert_eq!((found.value, found.slope), (9.0, 0.5 * 14.0 + 10.0 * 3.0));
     }
 }

@@ -5,7 +5,7 @@ use super::dual::{Dual, moving, replaced_input, rounded, seed, still};
 use super::phased::{Phased, RowHistory, sprung};
 use super::system::Replaced;
 use super::{
-    Along, At, Contacts, Description, Energy, Enforcement, Function, Gimbal, Mechanism, Motion, MotionNumbers,
+    Along, At, Contacts, Description, Energy, Enforcement, Function, Gimbal, Mechanism, Motion, MotionNumbers, Noise,
     Sampling, Scene, Series, Signal, Singular, System, Values, sliding,
 };
 use crate::cause::NoSeries;
@@ -239,6 +239,10 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
 
     fn sampling(&self) -> &Sampling {
         M::sampling()
+    }
+
+    fn held_noise(&self) -> &[Noise] {
+        M::held_noise()
     }
 
     fn contacts(&self) -> &Contacts {

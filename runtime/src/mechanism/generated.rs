@@ -2,7 +2,9 @@
 
 use super::contacts::NONE;
 use super::sampling::NOTHING;
-use super::{Contacts, Description, Energy, Gimbal, Motion, Real, Sampling, Scene, Series, SingularMass};
+use super::{
+    Contacts, Description, Energy, Gimbal, Motion, Noise, Real, Sampling, Scene, Series, SingularMass, Table2d,
+};
 
 /// A block of scalars of a size that only generated code knows: an array `[S; K]`.
 #[doc(hidden)]
@@ -45,9 +47,17 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
     fn gimbals() -> &'static [Gimbal] {
         &[]
     }
+    /// Functions of two arguments that the file gives by values on a grid.
+    fn tables_2d() -> &'static [Table2d] {
+        &[]
+    }
     /// What is held, set and sampled.
     fn sampling() -> &'static Sampling {
         &NOTHING
+    }
+    /// Held noise.
+    fn held_noise() -> &'static [Noise] {
+        &[]
     }
     /// Friction that may stick and contacts that may open.
     fn contacts() -> &'static Contacts {

@@ -14,6 +14,7 @@ mod interpreted;
 mod kkt;
 mod method;
 mod motion;
+mod noise;
 mod phased;
 mod rates;
 mod real;
@@ -26,6 +27,7 @@ mod solve;
 mod subsystem;
 mod system;
 mod table;
+mod table_2d;
 
 pub use at::At;
 pub use balances::Balances;
@@ -46,6 +48,9 @@ pub use interpreted::Interpreted;
 pub(crate) use kkt::{KktSolver, Solutions};
 pub use method::{Method, ParseMethodError};
 pub use motion::{Closes, ClosesBy, Extreme, Goal, Motion, MotionNumbers};
+pub use noise::Noise;
+#[cfg(feature = "modal")]
+pub(crate) use noise::is_of_noise;
 pub use phased::RowHistory;
 pub use rates::{choose_sides, rate_jacobian};
 pub use real::Real;
@@ -62,6 +67,8 @@ pub(crate) use subsystem::OfPart;
 pub use system::{Along, Function, Signal, System};
 #[doc(hidden)]
 pub use table::Table;
+#[doc(hidden)]
+pub use table_2d::Table2d;
 
 /// Energies of a state.
 ///

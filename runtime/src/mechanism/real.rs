@@ -2,7 +2,8 @@
 //!
 //! Every method is `#[inline]`: in an incremental build these calls would otherwise stay calls in generated code.
 
-use super::Table;
+use super::noise::normal;
+use super::{Table, Table2d};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A real number, or several side by side (lanes): what generated functions compute with.
@@ -98,6 +99,18 @@ pub trait Real:
     #[inline]
     fn table(self, table: &Table, order: usize) -> Self {
         table.evaluate(self, order)
+    }
+
+    /// A table of two arguments at this one and another, or one of its derivatives by both there.
+    #[inline]
+    fn table_2d(self, other: Self, table: &Table2d, order: [usize; 2]) -> Self {
+        table.evaluate(self, other, order)
+    }
+
+    /// The number of standard normal distribution of this seed and a place in the stream of a key.
+    #[inline]
+    fn normal(self, place: Self, key: u64) -> Self {
+        Self::gather(|lane| normal(key, self.lane(lane), place.lane(lane)))
     }
 
     /// The smaller of two.

@@ -3,8 +3,8 @@
 use super::contacts::NONE;
 use super::sampling::NOTHING;
 use super::{
-    At, Contacts, Description, Energy, Enforcement, Gimbal, Motion, MotionNumbers, RowHistory, Sampling, Scene, Series,
-    Singular,
+    At, Contacts, Description, Energy, Enforcement, Gimbal, Motion, MotionNumbers, Noise, RowHistory, Sampling, Scene,
+    Series, Singular,
 };
 use crate::cause::NoSeries;
 
@@ -34,6 +34,11 @@ pub trait System: Send + Sync {
     /// What is held between events, what sets it, and when.
     fn sampling(&self) -> &Sampling {
         &NOTHING
+    }
+
+    /// Held noise.
+    fn held_noise(&self) -> &[Noise] {
+        &[]
     }
 
     /// Friction that may stick and contacts that may open.

@@ -32,7 +32,7 @@ use std::collections::BTreeMap;
 
 use crate::diagnose::catalogue::{mechanics, memory, sections};
 use crate::diagnose::{Place, Problem};
-use crate::expr::{Forward, Graph, Id, Node, Symbol, Table, Unary, canonical_sums, vectors};
+use crate::expr::{Binary, Forward, Graph, Id, Node, Smooth, Symbol, Unary, canonical_sums, vectors};
 use crate::model::{Input, Load, Model, Rotation, Work};
 
 pub(crate) use constraints::held_rates;
@@ -321,22 +321,29 @@ fn rough_tables(model: &Model, equations: &[Equations], rows: &Rows, signals: &[
     };
     let of_inputs: Vec<Id> = needed.iter().filter_map(input).collect();
     needed.extend(graph.needed(of_inputs));
-    let mut worst: BTreeMap<Table, Table> = BTreeMap::new();
+    // Of each table the derivative of the highest order, its name, and how smooth the table is.
+    let mut worst: BTreeMap<&str, (u8, &str, Smooth)> = BTreeMap::new();
     for id in needed {
-        if let Node::Unary(Unary::Table(table), _) = graph.node(id)
-            && table.order() > table.smooth().order()
-        {
-            let known = worst.entry(table.whole()).or_insert(table);
-            *known = (*known).max(table);
+        let (whole, order, name, smooth) = match graph.node(id) {
+            Node::Unary(Unary::Table(table), _) => (table.whole().name(), table.order(), table.name(), table.smooth()),
+            Node::Binary(Binary::Table(table), ..) => {
+                let [x, y] = table.order();
+                (table.whole().name(), x.max(y), table.name(), table.smooth())
+            }
+            _ => continue,
+        };
+        if order > smooth.order() {
+            let known = worst.entry(whole).or_insert((order, name, smooth));
+            *known = if known.0 < order { (order, name, smooth) } else { *known };
         }
     }
-    let problem = |(whole, slope): (Table, Table)| {
-        let help = match slope.order() {
-            order @ 1..=2 => format!("it is smooth enough with `smooth: {order}`"),
+    let problem = |(whole, (order, slope, smooth)): (&str, (u8, &str, Smooth))| {
+        let help = match order {
+            1..=2 => format!("it is smooth enough with `smooth: {order}`"),
             _ => "no table is as smooth as that".to_owned(),
         };
-        let place = Place::default().key("tables").key(whole.name());
-        sections::rough_table(place.of_key(), whole.name(), slope.name(), whole.smooth().order(), help)
+        let place = Place::default().key("tables").key(whole);
+        sections::rough_table(place.of_key(), whole, slope, smooth.order(), help)
     };
     worst.into_iter().map(problem).collect()
 }

@@ -48,8 +48,7 @@ pub(crate) fn introduce(graph: &mut Graph, roots: &[Id], signals: usize) -> (Vec
         if let Node::Unary(Unary::Sqrt, base) | Node::Binary(Binary::Pow, base, _) = node {
             return one_sided(graph, node, base, &found.switches);
         }
-        if let Node::Unary(Unary::Table(table), x) = node {
-            found.points(graph, table, x);
+        if found.tables(graph, node) {
             return None;
         }
         if let Some(argument) = branches::argument(graph, node) {
@@ -176,6 +175,19 @@ impl Found {
             self.switches.len() - 1
         });
         graph.symbol(Symbol::Mode(k as u32))
+    }
+
+    /// Whether a node is a table; the switches at its points are added, along each argument.
+    fn tables(&mut self, graph: &mut Graph, node: Node) -> bool {
+        match node {
+            Node::Unary(Unary::Table(table), x) => self.points(graph, table, x),
+            Node::Binary(Binary::Table(table), x, y) => {
+                self.points(graph, table.along(0), x);
+                self.points(graph, table.along(1), y);
+            }
+            _ => return false,
+        }
+        true
     }
 
     /// The switch at the points of a table, where a derivative jumps; no equation reads its mode.

@@ -64,7 +64,7 @@ fn squared_sizes(graph: &mut Graph, roots: &[Id], starts: &dyn Fn(Symbol) -> f64
             }
             Node::Unary(Unary::Neg | Unary::Abs, x) => sizes[&x],
             Node::Unary(Unary::Sqrt, x) => graph.unary(Unary::Sqrt, sizes[&x]),
-            Node::Unary(..) | Node::Binary(Binary::Atan2, ..) => Id::ONE,
+            Node::Unary(..) | Node::Binary(Binary::Atan2 | Binary::Table(_) | Binary::Normal(_), ..) => Id::ONE,
             Node::Binary(Binary::Mul, x, y) => graph.mul(sizes[&x], sizes[&y]),
             Node::Binary(Binary::Div, x, y) => graph.div(sizes[&x], sizes[&y]),
             Node::Binary(Binary::Pow, x, y) => graph.binary(Binary::Pow, sizes[&x], y),

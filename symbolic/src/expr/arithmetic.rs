@@ -306,6 +306,13 @@ impl Graph {
             Binary::Div => self.div(a, b),
             Binary::Pow => self.pow(a, b),
             Binary::Min | Binary::Max if a == b => a,
+            Binary::Normal(_) => self.intern(Node::Binary(operation, a, b)),
+            Binary::Table(table) => {
+                if let (Some(x), Some(y)) = (self.number(a), self.number(b)) {
+                    return self.double_double(table.at(x.to_double_double(), y.to_double_double()));
+                }
+                self.intern(Node::Binary(operation, a, b))
+            }
             Binary::Atan2 | Binary::Min | Binary::Max => {
                 if let (Some(x), Some(y)) = (self.number(a), self.number(b)) {
                     let (x, y) = (x.to_double_double(), y.to_double_double());

@@ -310,6 +310,11 @@ fn partial_binary(g: &mut Graph, id: Id, first: bool) -> Id {
             let chosen = g.unary(Unary::Step, difference);
             if first { chosen } else { g.sub(Id::ONE, chosen) }
         }
+        (Binary::Normal(_), _) => Id::ZERO,
+        (Binary::Table(table), _) => match table.derivative(usize::from(!first)) {
+            Some(slope) => g.binary(Binary::Table(slope), x, y),
+            None => Id::ZERO,
+        },
     }
 }
 

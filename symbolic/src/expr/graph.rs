@@ -2,7 +2,7 @@
 
 use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
 
-use super::{Symbol, Table};
+use super::{Symbol, Table, Table2d};
 use crate::number::{DoubleDouble, Number, Rational};
 
 /// An expression: an index into the [`Graph`] that made it.  Children have smaller indices than parents.
@@ -71,7 +71,7 @@ impl Unary {
     }
 }
 
-/// Operations on two arguments.
+/// Operations on two arguments; [`Table2d`]s are the model's own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[expect(missing_docs, reason = "the usual operations")]
 pub enum Binary {
@@ -85,6 +85,9 @@ pub enum Binary {
     Atan2,
     Min,
     Max,
+    Table(Table2d),
+    /// The number of standard normal distribution of a seed and a place in the stream of this key.
+    Normal(u64),
 }
 
 /// One node of the graph.

@@ -87,6 +87,11 @@ impl Scalar for Measured {
             // The magnitude of the one that was taken.
             Binary::Min | Binary::Max if value == x.value => m,
             Binary::Min | Binary::Max => n,
+            Binary::Normal(_) => value.to_f64().abs(),
+            Binary::Table(table) => {
+                let slope = |k| table.derivative(k).map_or(0.0, |slope| slope.at(x.value, y.value).to_f64().abs());
+                value.to_f64().abs() + slope(0) * m + slope(1) * n
+            }
         };
         Measured { value, magnitude }
     }

@@ -15,6 +15,7 @@ mod scalar;
 mod sums;
 mod symbol;
 mod table;
+mod table_2d;
 pub mod vectors;
 
 pub use differentiate::{Forward, gradients, jacobian, partial, reverse};
@@ -28,5 +29,6 @@ pub use scalar::Scalar;
 pub use sums::{canonical_sums, terms};
 pub use symbol::Symbol;
 pub use table::{Smooth, Table};
+pub use table_2d::{Grid, Table2d};
 
 pub use crate::number::{DoubleDouble, Number, Rational};

@@ -1,7 +1,7 @@
 //! What expressions are evaluated in.
 
 use super::{Binary, Unary};
-use crate::number::DoubleDouble;
+use crate::number::{DoubleDouble, normal};
 
 /// A kind of number that knows every operation of the graph.
 pub trait Scalar: Copy {
@@ -54,6 +54,8 @@ impl Scalar for f64 {
             Binary::Atan2 => x.atan2(y),
             Binary::Min => x.min(y),
             Binary::Max => x.max(y),
+            Binary::Table(table) => table.at(x.into(), y.into()).to_f64(),
+            Binary::Normal(key) => normal(key, x, y),
         }
     }
 }
@@ -95,6 +97,8 @@ impl Scalar for DoubleDouble {
             Binary::Atan2 => x.atan2(y),
             Binary::Min => x.min(y),
             Binary::Max => x.max(y),
+            Binary::Table(table) => table.at(x, y),
+            Binary::Normal(key) => normal(key, x.to_f64(), y.to_f64()).into(),
         }
     }
 }

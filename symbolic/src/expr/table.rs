@@ -223,12 +223,12 @@ impl Table {
 }
 
 /// Slopes of the chords.
-fn chords(points: &[[f64; 2]]) -> Vec<f64> {
+pub(super) fn chords(points: &[[f64; 2]]) -> Vec<f64> {
     points.windows(2).map(|pair| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0])).collect()
 }
 
 /// The pieces between points with these slopes; straight without.
-fn pieces(points: &[[f64; 2]], slopes: &[f64]) -> Vec<[f64; 4]> {
+pub(super) fn pieces(points: &[[f64; 2]], slopes: &[f64]) -> Vec<[f64; 4]> {
     let chords = chords(points);
     let of = |k: usize| slopes.get(k).copied().unwrap_or_else(|| chords[k.min(chords.len() - 1)]);
     let last = points.len() - 1;
@@ -244,7 +244,7 @@ fn pieces(points: &[[f64; 2]], slopes: &[f64]) -> Vec<[f64; 4]> {
 }
 
 /// Slopes with which a curve rises where its points do: weighted harmonic means of those of the chords beside.
-fn monotone_slopes(points: &[[f64; 2]], periodic: bool) -> Vec<f64> {
+pub(super) fn monotone_slopes(points: &[[f64; 2]], periodic: bool) -> Vec<f64> {
     let chords = chords(points);
     let widths: Vec<f64> = points.windows(2).map(|pair| pair[1][0] - pair[0][0]).collect();
     let between = |before: usize, after: usize| {
@@ -264,7 +264,7 @@ fn monotone_slopes(points: &[[f64; 2]], periodic: bool) -> Vec<f64> {
 }
 
 /// Slopes of the cubic spline: natural at the ends, or periodic.
-fn spline_slopes(points: &[[f64; 2]], periodic: bool) -> Vec<f64> {
+pub(super) fn spline_slopes(points: &[[f64; 2]], periodic: bool) -> Vec<f64> {
     let (chords, count) = (chords(points), points.len());
     let width = |k: usize| points[k + 1][0] - points[k][0];
     if !periodic {

@@ -51,6 +51,11 @@ impl<'a> Spot<'a> {
         Spot { node, place: self.place.key(key), name: key.to_owned() }
     }
 
+    /// Whether it is a mapping.
+    pub fn is_mapping(&self) -> bool {
+        matches!(self.node, Node::Map(_))
+    }
+
     /// The value of one key of a mapping.
     pub fn get(&self, key: &str) -> Option<Spot<'a>> {
         match self.node {

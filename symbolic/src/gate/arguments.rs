@@ -106,11 +106,15 @@ pub(super) fn tables(model: &Model) -> Vec<Points> {
     let graph = &model.graph;
     let needed = graph.reachable(roots(model));
     let moving = graph.contains(|s| !matches!(s, Symbol::Parameter(_) | Symbol::Dummy(_)));
-    let table = |i: usize| match graph.node(graph.id_at(i)) {
-        Node::Unary(Unary::Table(table), x) if moving[x.index()] => Some((x, table.whole())),
-        _ => None,
-    };
-    let found: BTreeSet<(Id, Table)> = (0..needed.len()).filter(|i| needed[*i]).filter_map(table).collect();
+    let mut found: BTreeSet<(Id, Table)> = BTreeSet::new();
+    for i in (0..needed.len()).filter(|i| needed[*i]) {
+        match graph.node(graph.id_at(i)) {
+            Node::Unary(Unary::Table(table), x) => found.extend([(x, table.whole())]),
+            Node::Binary(Binary::Table(table), x, y) => found.extend([(x, table.along(0)), (y, table.along(1))]),
+            _ => {}
+        }
+    }
+    found.retain(|(x, _)| moving[x.index()]);
     let points = |(x, table)| Points { table, argument: argument(graph, model, x, false) };
     found.into_iter().take(ARGUMENTS).map(points).collect()
 }

@@ -34,7 +34,7 @@ const REGULAR: f64 = 1e-12;
 enum Kind {
     /// `exp`, `tanh`: where the argument is of order one.
     Local,
-    /// Between points of a table.
+    /// Between points of a table, or of one of a table's two arguments.
     Table(Table),
     /// `step`: where the argument is positive.
     Above,
@@ -214,6 +214,11 @@ fn terms_of(graph: &Graph, id: Id, moving: &[bool], known: &[Vec<Factors>]) -> V
         Node::Unary(Unary::Step, x) => one(x, Kind::Above),
         Node::Unary(Unary::Table(table), x) => one(x, Kind::Table(table.whole())),
         Node::Unary(_, x) => known[x.index()].clone(),
+        Node::Binary(Binary::Table(table), x, y) => {
+            let both = [(x, Kind::Table(table.along(0))), (y, Kind::Table(table.along(1)))];
+            let factors: Factors = both.into_iter().filter(|(argument, _)| moving[argument.index()]).collect();
+            if factors.is_empty() { Vec::new() } else { vec![factors] }
+        }
         Node::Binary(Binary::Mul | Binary::Div | Binary::Pow, x, y) => match (&known[x.index()], &known[y.index()]) {
             (terms, none) | (none, terms) if none.is_empty() => terms.clone(),
             (left, right) => {

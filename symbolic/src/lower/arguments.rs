@@ -203,6 +203,11 @@ fn inside(graph: &mut Graph, roots: &[Id]) -> Vec<(Role, Id)> {
             Node::Unary(Unary::Table(table), x) if moving.contains(&x) && !table.is_counter() => {
                 found.push((Role::Points, graph.unary(Unary::Table(table.counter()), x)));
             }
+            Node::Binary(Binary::Table(table), x, y) => {
+                for (k, x) in [x, y].into_iter().enumerate().filter(|(_, x)| moving.contains(x)) {
+                    found.push((Role::Points, graph.unary(Unary::Table(table.along(k).counter()), x)));
+                }
+            }
             Node::Unary(Unary::Sqrt, x) => factors(graph, x, 0.5, &mut bases),
             Node::Unary(Unary::Ln, x) => factors(graph, x, 1.0, &mut bases),
             Node::Binary(Binary::Div, _, x) => factors(graph, x, -1.0, &mut bases),

@@ -29,7 +29,9 @@ pub(super) fn work(graph: &Graph, roots: &[Id]) -> usize {
         Node::Unary(Unary::Abs | Unary::Sign | Unary::Step, _) => 1,
         Node::Unary(Unary::Sqrt, _) | Node::Binary(Binary::Div, ..) => DIVISION,
         Node::Binary(Binary::Add | Binary::Sub | Binary::Mul | Binary::Min | Binary::Max, ..) => 1,
-        Node::Unary(..) | Node::Binary(Binary::Pow | Binary::Atan2, ..) => FUNCTION,
+        Node::Unary(..) | Node::Binary(Binary::Pow | Binary::Atan2 | Binary::Table(_) | Binary::Normal(_), ..) => {
+            FUNCTION
+        }
     };
     (0..needed.len()).filter(|&i| needed[i] && varying[i]).map(takes).sum()
 }

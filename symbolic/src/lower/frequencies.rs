@@ -95,11 +95,7 @@ impl Search {
                     _ if drift == Id::ZERO => return Some(Id::ZERO),
                     Unary::Sin | Unary::Cos | Unary::Tan => self.note(graph, drift),
                     Unary::Table(table) if table.order() > 0 || table.rise() == 0.0 => {
-                        let period = table.period()?;
-                        let turn = graph.double_double(DoubleDouble::PI * DoubleDouble::from(2.0));
-                        let (turns, period) = (graph.mul(turn, drift), graph.float(period));
-                        let frequency = graph.div(turns, period);
-                        self.note(graph, frequency);
+                        self.note_period(graph, drift, table.period()?);
                     }
                     _ => return None,
                 }
@@ -111,6 +107,14 @@ impl Search {
                     Binary::Add => Some(graph.add(dx, dy)),
                     Binary::Sub => Some(graph.sub(dx, dy)),
                     _ if dx == Id::ZERO && dy == Id::ZERO => Some(Id::ZERO),
+                    Binary::Table(table) => {
+                        for (drift, period) in [dx, dy].into_iter().zip(table.periods()) {
+                            if drift != Id::ZERO {
+                                self.note_period(graph, drift, period?);
+                            }
+                        }
+                        Some(Id::ZERO)
+                    }
                     Binary::Mul if dx == Id::ZERO && constant(graph, x) => Some(graph.mul(x, dy)),
                     Binary::Mul if dy == Id::ZERO && constant(graph, y) => Some(graph.mul(dx, y)),
                     Binary::Div if dy == Id::ZERO && constant(graph, y) => Some(graph.div(dx, y)),
@@ -118,6 +122,14 @@ impl Search {
                 }
             }
         }
+    }
+
+    /// The frequency of what repeats itself after a period of an argument with this drift.
+    fn note_period(&mut self, graph: &mut Graph, drift: Id, period: f64) {
+        let turn = graph.double_double(DoubleDouble::PI * DoubleDouble::from(2.0));
+        let (turns, period) = (graph.mul(turn, drift), graph.float(period));
+        let frequency = graph.div(turns, period);
+        self.note(graph, frequency);
     }
 
     fn note(&mut self, graph: &mut Graph, frequency: Id) {

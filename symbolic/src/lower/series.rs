@@ -326,7 +326,9 @@ impl Builder<'_> {
                 let (first, second) = (self.push(Recurrence::Square(y)), self.push(Recurrence::Square(x)));
                 Recurrence::Angle { y, x, square: self.push(Recurrence::Sum(first, second)) }
             }
-            (Binary::Min | Binary::Max, ..) | (_, Constant(_), Constant(_)) => return None,
+            (Binary::Min | Binary::Max | Binary::Table(_) | Binary::Normal(_), ..) | (_, Constant(_), Constant(_)) => {
+                return None;
+            }
         };
         Some(self.push(recurrence))
     }

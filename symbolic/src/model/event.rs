@@ -82,7 +82,23 @@ pub enum Target {
     State(usize),
 }
 
-/// A held value: what `memory` declares.  It changes by events alone.
+/// Held noise: a value that ticks set to normally distributed numbers.
+#[derive(Clone, Debug)]
+pub struct Noise {
+    /// Its expanded name.
+    pub name: String,
+    /// The free parameter that is its seed, by its place, where it is one.
+    pub seed: Option<u32>,
+    /// The event that sets it, by its place.
+    pub event: usize,
+    /// What it holds, by places among held values: its number at the last tick; where it is straight between ticks also its slope, and when that tick
+    /// was.
+    pub held: Vec<usize>,
+    /// Its value, of what it holds and time.
+    pub value: Id,
+}
+
+/// A held value: what `memory` declares, or what noise holds.  It changes by events alone.
 #[derive(Clone, Debug)]
 pub struct HeldValue {
     /// Its expanded name.

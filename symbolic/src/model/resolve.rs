@@ -13,7 +13,7 @@ use crate::diagnose::{Place, Problem, Step};
 use crate::file::{Node, Spot};
 
 /// Every key that a model file may have.
-const KEYS: [&str; 37] = [
+const KEYS: [&str; 38] = [
     "name",
     "about",
     "sizes",
@@ -21,6 +21,7 @@ const KEYS: [&str; 37] = [
     "parameters",
     "coordinates",
     "memory",
+    "noise",
     "states",
     "inputs",
     "define",
@@ -83,6 +84,7 @@ fn resolve_through(root: &Node, sizes: &[(String, i64)], folder: Option<&Path>) 
     resolver.tables();
     resolver.coordinates();
     let memory = resolver.memory();
+    let mut noise = resolver.noise();
     let states = resolver.states();
     resolver.inputs();
     resolver.definitions();
@@ -104,6 +106,7 @@ fn resolve_through(root: &Node, sizes: &[(String, i64)], folder: Option<&Path>) 
     resolver.finish_derived(derived);
     resolver.finish_inputs();
     resolver.finish_memory(&memory);
+    resolver.sizes_of_noise(&mut noise);
     resolver.finish_states(&states);
     resolver.finish_constraints(constraints);
     // 3. Where runs start; look in `scenes.rs`.
@@ -118,6 +121,7 @@ fn resolve_through(root: &Node, sizes: &[(String, i64)], folder: Option<&Path>) 
     resolver.balances();
     // 5. What is computed along a run; look in `watched.rs` and `draw.rs`.
     resolver.watched();
+    resolver.finish_noise(&noise);
     resolver.memory_outputs();
     resolver.start_conditions(held);
     resolver.needed();

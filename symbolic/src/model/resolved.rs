@@ -1,7 +1,7 @@
 //! A model with every name resolved and every family expanded: expressions of one graph.
 
 use super::contact::{Contact, ImpactLaw};
-use super::event::{Clock, Event, HeldValue, Set};
+use super::event::{Clock, Event, HeldValue, Noise, Set};
 use super::expression::scope::Scope;
 use super::gimbals::Gimbal;
 use super::motion::Motion;
@@ -53,6 +53,8 @@ pub struct Model {
     pub states: Vec<StateOfFirstOrder>,
     /// Held values, families expanded.
     pub memory: Vec<HeldValue>,
+    /// Held noise, families expanded.
+    pub noise: Vec<Noise>,
     /// Inputs.
     pub inputs: Vec<Input>,
     /// Bodies.

@@ -56,6 +56,8 @@ fn written(model: &Model, graph: &Graph, id: Id, budget: &mut usize) -> (String,
             let name = match f {
                 Binary::Atan2 => "atan2",
                 Binary::Min => "min",
+                Binary::Table(table) => table.name(),
+                Binary::Normal(_) => "normal",
                 _ => "max",
             };
             (format!("{name}({}, {})", at(x, Level::Sum), at(y, Level::Sum)), Level::Atom)

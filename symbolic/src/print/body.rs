@@ -9,7 +9,7 @@ use std::fmt::Write;
 
 use super::dialect::{Dialect, Level, Piece};
 use super::scope::{Names, Scope, joined};
-use crate::expr::{Binary, Graph, Id, Node, Number, Rational, Symbol, Table, Unary};
+use crate::expr::{Binary, Graph, Id, Node, Number, Rational, Symbol, Table, Table2d, Unary};
 
 /// What happens with a computed value.
 pub(super) enum Use {
@@ -62,6 +62,8 @@ pub(super) struct Bodies<'a> {
     pub first_memory: usize,
     /// What tables are numbered by.
     pub tables: &'a [Table],
+    /// And those of two arguments.
+    pub tables_2d: &'a [Table2d],
     /// The language.
     pub dialect: &'a dyn Dialect,
 }
@@ -330,6 +332,11 @@ impl Writer<'_> {
             Binary::Div => (" / ", Level::Product, Level::Sign),
             Binary::Pow | Binary::Atan2 | Binary::Min | Binary::Max => {
                 return made(self.of.dialect.binary(operation, a, b), Level::Atom);
+            }
+            Binary::Normal(key) => return made(self.of.dialect.normal(key, a, b), Level::Atom),
+            Binary::Table(table) => {
+                let place = self.of.tables_2d.iter().position(|known| *known == table.whole()).unwrap_or(0);
+                return made(self.of.dialect.table_2d(place, table, a, b), Level::Atom);
             }
         };
         made(format!("{}{sign}{}", a.at_least(level), b.at_least(right)), level)

@@ -1,7 +1,7 @@
 //! What differs between the languages in which straight-line functions are printed, and how Rust writes it.
 
 use super::literal::float;
-use crate::expr::{Binary, Number, Unary};
+use crate::expr::{Binary, Number, Table2d, Unary};
 
 /// A language's statements and calls; sums, products and stores are alike in all.
 pub(super) trait Dialect {
@@ -22,6 +22,12 @@ pub(super) trait Dialect {
 
     /// A derivative of a table, which is known by its place.
     fn table(&self, place: usize, order: u8, x: &Piece) -> String;
+
+    /// A derivative of a table of two arguments, which is known by its place.
+    fn table_2d(&self, place: usize, table: Table2d, x: &Piece, y: &Piece) -> String;
+
+    /// The number of standard normal distribution of a seed and a place in the stream of a key.
+    fn normal(&self, key: u64, seed: &Piece, place: &Piece) -> String;
 
     /// Variables for the sine and the cosine of an angle, those that are wanted.
     fn turn(&self, names: &[Option<String>; 2], angle: &Piece) -> String;
@@ -112,6 +118,15 @@ impl Dialect for Rust<'_> {
 
     fn table(&self, place: usize, order: u8, x: &Piece) -> String {
         format!("{}.table(&{}::description().tables[{place}], {order})", x.at_least(Level::Atom), self.owner)
+    }
+
+    fn table_2d(&self, place: usize, table: Table2d, x: &Piece, y: &Piece) -> String {
+        let (x, [of_x, of_y]) = (x.at_least(Level::Atom), table.order());
+        format!("{x}.table_2d({}, &{}::tables_2d()[{place}], [{of_x}, {of_y}])", y.text, self.owner)
+    }
+
+    fn normal(&self, key: u64, seed: &Piece, place: &Piece) -> String {
+        format!("{}.normal({}, {key:#018x})", seed.at_least(Level::Atom), place.text)
     }
 
     fn turn(&self, names: &[Option<String>; 2], angle: &Piece) -> String {

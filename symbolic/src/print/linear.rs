@@ -317,7 +317,7 @@ fn is_smooth(graph: &Graph, roots: &[Id]) -> bool {
     let moves = graph.contains(is_motion);
     graph.needed(roots.iter().copied()).into_iter().filter(|id| moves[id.index()]).all(|id| match graph.node(id) {
         Node::Unary(f, _) => !matches!(f, Unary::Abs | Unary::Sign | Unary::Step | Unary::Table(_)),
-        Node::Binary(f, ..) => !matches!(f, Binary::Min | Binary::Max),
+        Node::Binary(f, ..) => !matches!(f, Binary::Min | Binary::Max | Binary::Table(_)),
         Node::Number(_) | Node::Symbol(_) => true,
     })
 }

@@ -11,7 +11,7 @@ use super::rust::UNJUDGED;
 use super::series::recurrences;
 use super::words::comment;
 use super::{contacts, memory, momentum, motions, parts, scenes};
-use crate::expr::Id;
+use crate::expr::{Id, Table2d};
 use crate::lower::{Accelerations, Entry, Program};
 use crate::model::{Gimbal, Model, text};
 
@@ -57,6 +57,7 @@ impl Mechanism<'_> {
             description(program, source)
         );
         out += &gimbals(&program.model);
+        out += &tables_2d(program);
         if let Some(series) = &program.series {
             out += &recurrences(series);
             out += &Function {
@@ -258,6 +259,33 @@ fn gimbals(model: &Model) -> String {
         "" => String::new(),
         entries => format!(
             "\n    fn gimbals() -> &'static [::dalembert::mechanism::Gimbal] {{\n        static GIMBALS: &[::dalembert::mechanism::Gimbal] = &[\n{entries}        ];\n        GIMBALS\n    }}\n"
+        ),
+    }
+}
+
+/// `fn tables_2d() -> …`; that of the trait serves where there are none.
+fn tables_2d(program: &Program) -> String {
+    let borrowed = |entries: Vec<String>| format!("::std::borrow::Cow::Borrowed(&[{}])", entries.join(", "));
+    let floats = |numbers: &[f64]| numbers.iter().map(|x| float(*x)).collect::<Vec<_>>();
+    let period = |period: Option<f64>| match period {
+        None => "::core::option::Option::None".to_owned(),
+        Some(period) => format!("::core::option::Option::Some({})", float(period)),
+    };
+    let entry = |table: Table2d| {
+        let rows = |piece: &[[f64; 4]; 4]| piece.map(|row| format!("[{}]", floats(&row).join(", "))).join(", ");
+        format!(
+            "            ::dalembert::mechanism::Table2d {{ name: ::std::borrow::Cow::Borrowed({:?}), knots: [{}], pieces: {}, periods: [{}] }},\n",
+            table.name(),
+            table.knots().each_ref().map(|knots| borrowed(floats(knots))).join(", "),
+            borrowed(table.pieces().iter().map(|piece| format!("[{}]", rows(piece))).collect()),
+            table.periods().map(period).join(", ")
+        )
+    };
+    let entries: String = program.tables_2d().into_iter().map(entry).collect();
+    match entries.as_str() {
+        "" => String::new(),
+        entries => format!(
+            "\n    fn tables_2d() -> &'static [::dalembert::mechanism::Table2d] {{\n        static TABLES: &[::dalembert::mechanism::Table2d] = &[\n{entries}        ];\n        TABLES\n    }}\n"
         ),
     }
 }

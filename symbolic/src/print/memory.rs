@@ -7,7 +7,7 @@ use super::description::{list, string};
 use super::function::{Function, Target, of_constants, stores};
 use super::si_unit;
 use crate::lower::Program;
-use crate::model::{Target as Assigned, Trigger};
+use crate::model::{Noise, Target as Assigned, Trigger};
 
 /// `const MEMORY`, where there is any: it is 0 in the trait.
 pub(super) fn size(program: &Program) -> String {
@@ -23,7 +23,7 @@ pub(super) fn memory(program: &Program, bodies: &Bodies<'_>, unhoisted: &Bodies<
     if model.memory.is_empty() && model.clocks.is_empty() && model.sets.is_empty() {
         return String::new();
     }
-    let mut out = sampling(program);
+    let mut out = sampling(program) + &noise(program);
     if !program.assignments.is_empty() {
         let assignments = Function {
             name: "assignments",
@@ -64,6 +64,29 @@ fn scene_memory(program: &Program, unhoisted: &Bodies<'_>) -> String {
     }}
 "
     )
+}
+
+/// `held_noise`; that of the trait serves where there is none.
+fn noise(program: &Program) -> String {
+    let entry = |noise: &Noise| {
+        let seed = match noise.seed {
+            None => "::core::option::Option::None".to_owned(),
+            Some(place) => format!("::core::option::Option::Some({place})"),
+        };
+        format!(
+            "            mechanism::Noise {{ name: {}, seed: {seed}, event: {}, held: {} }},\n",
+            string(&noise.name),
+            noise.event,
+            list(noise.held.iter().map(ToString::to_string))
+        )
+    };
+    let entries: String = program.model.noise.iter().map(entry).collect();
+    match entries.as_str() {
+        "" => String::new(),
+        entries => format!(
+            "\n    fn held_noise() -> &'static [::dalembert::mechanism::Noise] {{\n        use ::dalembert::mechanism;\n        static NOISE: &[mechanism::Noise] = &[\n{entries}        ];\n        NOISE\n    }}\n"
+        ),
+    }
 }
 
 fn sampling(program: &Program) -> String {

@@ -15,7 +15,7 @@ const TAKEN: &[&str] = &[
     "False", "None", "True", "and", "as", "assert", "async", "await", "break", "class", "continue", "def", "del",
     "elif", "else", "except", "finally", "for", "from", "global", "if", "import", "in", "is", "lambda", "nonlocal",
     "not", "or", "pass", "raise", "return", "try", "while", "with", "yield", "np", "t", "q", "v", "p", "u", "phase",
-    "memory", "out", "n", "pieces_",
+    "memory", "out", "n", "pieces_", "piece_", "bicubic_",
 ];
 
 /// Evaluates a table.
@@ -31,6 +31,26 @@ def pieces_(x, order, knots, pieces, period):
     for power in range(3, order - 1, -1):
         out = out*d + pieces[k][power]*np.prod(np.arange(power - order + 1, power + 1.0))
     return out
+";
+
+/// Evaluates a table of two arguments.
+const BICUBIC: &str = "
+
+def piece_(x, knots, period):
+    \"\"\"The piece between knots in which x lies, and how far from the knot before.\"\"\"
+    if period is not None:
+        x = x - np.floor((x - knots[0])/period)*period
+    k = int(np.searchsorted(knots, x, side=\"right\"))
+    return k, x - knots[max(k - 1, 0)]
+
+
+def bicubic_(x, y, orders, knots, pieces, periods):
+    \"\"\"Bicubics on a grid, straight beyond it; orders: how often they are differentiated by x and by y.\"\"\"
+    (row, d), (column, e) = (piece_(z, k, period) for z, k, period in zip((x, y), knots, periods))
+    c = np.array(pieces[row*(len(knots[1]) + 1) + column])
+    along_x = np.polynomial.polynomial.polyder(c, orders[0], axis=0)
+    both = np.polynomial.polynomial.polyder(along_x, orders[1], axis=1)
+    return np.polynomial.polynomial.polyval2d(d, e, both)
 ";
 
 /// Accelerations and the state's rate of mechanisms without constraints.
@@ -75,6 +95,7 @@ pub fn python(program: &Program, name: &str) -> String {
         Module { program, graph: program.model.graph.clone(), names: Names::new(program), out: String::new() };
     module.head(name);
     module.tables();
+    module.tables_2d();
     module.inputs();
     let n = program.model.coordinates.len();
     module.matrix(
@@ -127,6 +148,7 @@ impl Names {
     fn new(program: &Program) -> Names {
         let model = &program.model;
         let tables = program.tables().into_iter().map(Python::table);
+        let tables = tables.chain(program.tables_2d().into_iter().map(Python::table_2d));
         let mut taken: HashSet<String> = TAKEN.iter().map(|name| (*name).to_owned()).chain(tables).collect();
         let mut fresh = |wanted: String| {
             let mut name = wanted;
@@ -243,6 +265,29 @@ impl Module<'_> {
                 Python::table(table),
                 numbers(table.knots()),
                 pieces.join(", "),
+            );
+        }
+    }
+
+    /// Those of two arguments.
+    fn tables_2d(&mut self) {
+        let tables = self.program.tables_2d();
+        if !tables.is_empty() {
+            self.out += BICUBIC;
+        }
+        for table in tables {
+            let numbers = |numbers: &[f64]| numbers.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(", ");
+            let [x, y] = table.knots().each_ref().map(|knots| numbers(knots));
+            let rows = |piece: &[[f64; 4]; 4]| piece.map(|row| format!("[{}]", numbers(&row))).join(", ");
+            let pieces: Vec<String> = table.pieces().iter().map(|piece| format!("[{}]", rows(piece))).collect();
+            let periods = table.periods().map(|period| period.map_or_else(|| "None".to_owned(), |p| format!("{p:?}")));
+            let _ = writeln!(
+                self.out,
+                "\n\ndef {}(x, y, orders=(0, 0)):\n    \"\"\"A table of the model, or one of its derivatives.\"\"\"\n    \
+                 knots = [[{x}], [{y}]]\n    pieces = [{}]\n    return bicubic_(x, y, orders, knots, pieces, [{}])",
+                Python::table_2d(table),
+                pieces.join(", "),
+                periods.join(", "),
             );
         }
     }

@@ -9,7 +9,7 @@ use super::mechanism::Mechanism;
 use super::parameters::parameters;
 use super::scope::{Names, Scope};
 use super::source_file::format_check;
-use crate::expr::{Id, Node, Number, Rational, Symbol, Table, Unary};
+use crate::expr::{Binary, Id, Node, Number, Rational, Symbol, Table, Table2d, Unary};
 use crate::lower::{Accelerations, Program};
 use crate::model::{Clock, Contact, EventAction, Goal};
 
@@ -27,7 +27,7 @@ pub fn rust(program: &Program, source: &str, name: &str) -> String {
     let first_memory = first_phase + program.phases();
     let nowhere = HashMap::default();
     let places = constants.iter().enumerate().map(|(k, id)| (*id, free + k)).collect();
-    let tables = program.tables();
+    let (tables, tables_2d) = (program.tables(), program.tables_2d());
     let owner = format!(
         "<{name} as ::dalembert::mechanism::Mechanism<{}, {}>>",
         program.model.coordinates.len(),
@@ -42,6 +42,7 @@ pub fn rust(program: &Program, source: &str, name: &str) -> String {
         first_phase,
         first_memory,
         tables: &tables,
+        tables_2d: &tables_2d,
         dialect: &dialect,
     };
     let mechanism = Mechanism {
@@ -88,6 +89,20 @@ impl Program {
         let mut tables: Vec<Table> = Vec::new();
         for node in (0..graph.len()).map(|place| graph.node(graph.id_at(place))) {
             if let Node::Unary(Unary::Table(table), _) = node
+                && !tables.contains(&table.whole())
+            {
+                tables.push(table.whole());
+            }
+        }
+        tables
+    }
+
+    /// All tables of two arguments that expressions contain, each once.
+    pub fn tables_2d(&self) -> Vec<Table2d> {
+        let graph = &self.model.graph;
+        let mut tables: Vec<Table2d> = Vec::new();
+        for node in (0..graph.len()).map(|place| graph.node(graph.id_at(place))) {
+            if let Node::Binary(Binary::Table(table), ..) = node
                 && !tables.contains(&table.whole())
             {
                 tables.push(table.whole());

@@ -20,7 +20,7 @@ Regenerate: `cargo run --example why -p dalembert-symbolic > docs/why-it-did-not
 ";
 
 /// The subjects of the catalogue, in its order.
-const SUBJECTS: [&str; 11] = [
+const SUBJECTS: [&str; 12] = [
     "YAML",
     "Expressions, keys and units",
     "Names, sizes and indices",
@@ -28,6 +28,7 @@ const SUBJECTS: [&str; 11] = [
     "States of first order",
     "Held values",
     "Friction and contacts",
+    "Held noise",
     "The shape of a file",
     "Mechanics",
     "What deriving and testing at random states finds",

@@ -32,7 +32,7 @@ use crate::linear::{
     Guess, Kind, LinearError, Linearised, Mode, animate_mode, draw_modes, equilibrium_here, equilibrium_near,
     has_dependent_coordinates, linearise, linearise_constrained,
 };
-use crate::mechanism::{System, Target};
+use crate::mechanism::{Noise, System, Target};
 use crate::simulate::{Settings, settled};
 use clap::ArgMatches;
 use dalembert_symbolic::model::Sets;
@@ -129,8 +129,8 @@ struct Prepared {
     reader: Reader,
     speeds: Speeds,
     place: Place,
-    /// That held values stay as they are.
-    held: Option<String>,
+    /// That held values and noise stay as they are.
+    held: Vec<String>,
 }
 
 /// Where small motions are looked at.
@@ -167,6 +167,7 @@ fn prepared(context: Context<'_>, options: &ArgMatches) -> Result<Prepared, Prob
     }
     loaded.system.set_memory(&memory);
     let held = held_note(&*loaded.system).filter(|_| !options.get_flag("sampled"));
+    let held = held.into_iter().chain(noise_note(&*loaded.system)).collect();
     let mut guess = Guess { q, v: speeds.v.clone(), inputs };
     let trim = Trim::new(&mut loaded, options, &mut reader, &mut guess)?;
     loaded.warnings.append(&mut reader.notes);
@@ -180,11 +181,22 @@ fn held_note(system: &dyn System) -> Option<String> {
     let set = |place: u32| {
         sampling.sets.iter().flat_map(|targets| targets.iter()).any(|target| *target == Target::Memory(place))
     };
-    let held = sampling.memory.iter().zip(0..).filter(|(_, place)| set(*place));
+    let of_noise = |place: u32| system.held_noise().iter().any(|noise| noise.held.contains(&place));
+    let held = sampling.memory.iter().zip(0..).filter(|(_, place)| set(*place) && !of_noise(*place));
     let names: Vec<String> = held.map(|(held, _)| format!("`{}`", held.name)).collect();
     let are = if names.len() == 1 { "is" } else { "are" };
-    let closes = if sampling.clocks.is_empty() { "" } else { "; `modes --sampled` closes it" };
+    let closes = if sampling.clocks.len() == system.held_noise().len() { "" } else { "; `modes --sampled` closes it" };
     (!names.is_empty()).then(|| format!("{} {are} held: this is the open loop{closes}", names.join(", ")))
+}
+
+/// That noise does not change.
+fn noise_note(system: &dyn System) -> Option<String> {
+    let name = |noise: &Noise| format!("`{}`", noise.name);
+    let names: Vec<String> = system.held_noise().iter().map(name).collect();
+    let moved = |noise: &Noise| system.memory().get(noise.held[0] as usize).is_some_and(|value| *value != 0.0);
+    let at = if system.held_noise().iter().any(moved) { "as given" } else { "at 0, its mean" };
+    let are = if names.len() == 1 { "is" } else { "are" };
+    (!names.is_empty()).then(|| format!("{} {are} noise: frozen {at}", names.join(", ")))
 }
 
 #[cfg(feature = "modal")]

@@ -14,7 +14,7 @@ use super::super::{Problem, json};
 use super::states::OF_MODES;
 use super::{MOST_PRINTED, failed};
 use crate::linear::{Guess, SampledLoop, linearise_sampled, short};
-use crate::mechanism::{System, Text};
+use crate::mechanism::{System, Text, is_of_noise};
 
 /// Finds the rest of the loop and its map, and prints the eigenvalues.
 pub fn run(loaded: &Loaded, options: &ArgMatches, guess: Guess, out: &mut dyn Write) -> Result<(), Problem> {
@@ -47,9 +47,10 @@ fn inputs(loaded: &Loaded, options: &ArgMatches, held: &[f64]) -> Result<Vec<f64
     Ok(names.iter().enumerate().map(value).collect())
 }
 
-/// The periods of all clocks, s.
+/// The periods of all clocks that do not tick for noise alone, s.
 fn periods(system: &dyn System) -> Vec<f64> {
-    system.clocks().iter().map(|[_, every]| *every).collect()
+    let clocks = system.clocks().into_iter().enumerate().filter(|(clock, _)| !is_of_noise(system, *clock));
+    clocks.map(|(_, [_, every])| every).collect()
 }
 
 fn table(name: &str, found: &SampledLoop, system: &dyn System, out: &mut dyn Write) -> Result<(), Problem> {

@@ -26,6 +26,8 @@ enum Target {
     Parameter(usize),
     /// A component of [q; q'] at the start.
     Start(usize),
+    /// The seeds of all noise.
+    Seeds,
 }
 
 /// The values of all runs.
@@ -42,14 +44,18 @@ enum Values {
 }
 
 impl Points {
-    /// Reads `--vary` and `--points`.
+    /// Reads `--vary`, `--seeds` and `--points`.
     pub fn read(loaded: &Loaded, reader: &mut Reader, options: &ArgMatches) -> Result<Points, Problem> {
         let grid = pairs(options, "vary")?;
         let list = options.get_one::<String>("points");
-        let points = match (grid.is_empty(), list) {
-            (false, None) => Points::grid(loaded, reader, &grid)?,
+        let seeds = options.get_one::<String>("seeds");
+        let points = match (grid.is_empty() && seeds.is_none(), list) {
+            (false, None) => Points::grid(loaded, reader, &grid, seeds)?,
             (true, Some(path)) => Points::list(loaded, path)?,
-            _ => return Err(usage("a sweep wants --vary NAME=A..B:COUNT, or --points FILE.csv".to_owned())),
+            _ => {
+                let wanted = "a sweep wants --vary NAME=A..B:COUNT, --seeds A..B, or --points FILE.csv";
+                return Err(usage(wanted.to_owned()));
+            }
         };
         let mut names: Vec<&str> = points.varied.iter().map(|varied| varied.name.as_str()).collect();
         names.sort_unstable();
@@ -59,7 +65,12 @@ impl Points {
         }
     }
 
-    fn grid(loaded: &Loaded, reader: &mut Reader, given: &[(String, String)]) -> Result<Points, Problem> {
+    fn grid(
+        loaded: &Loaded,
+        reader: &mut Reader,
+        given: &[(String, String)],
+        seeds: Option<&String>,
+    ) -> Result<Points, Problem> {
         let mut varied = Vec::new();
         let mut lists = Vec::new();
         let mut count = 1_usize;
@@ -68,6 +79,15 @@ impl Points {
             let list = values(loaded, reader, ("vary", sets), text)?;
             count = count.saturating_mul(list.len());
             varied.push(one);
+            lists.push(list);
+        }
+        if let Some(text) = seeds {
+            if loaded.system.held_noise().iter().all(|noise| noise.seed.is_none()) {
+                return Err(usage(format!("--seeds: {} has no noise with a seed of its own", loaded.name)));
+            }
+            let list = whole_numbers(text)?;
+            count = count.saturating_mul(list.len());
+            varied.push(Varied { name: "seed".to_owned(), target: Target::Seeds });
             lists.push(list);
         }
         if count > MOST {
@@ -178,15 +198,20 @@ impl Varied {
     /// What its column is called: a coordinate at the start is another thing than at the end.
     pub fn column(&self) -> String {
         match self.target {
-            Target::Parameter(_) => self.name.clone(),
+            Target::Parameter(_) | Target::Seeds => self.name.clone(),
             Target::Start(_) => format!("{} at the start", self.name),
         }
     }
 
     /// Sets a parameter; before the scene is asked, which may depend on it.
     pub fn set(&self, system: &mut dyn System, value: f64) {
-        if let Target::Parameter(index) = self.target {
-            system.set_parameter(index, value);
+        match self.target {
+            Target::Parameter(index) => system.set_parameter(index, value),
+            Target::Seeds => {
+                let seeds: Vec<u32> = system.held_noise().iter().filter_map(|noise| noise.seed).collect();
+                seeds.into_iter().for_each(|index| system.set_parameter(index as usize, value));
+            }
+            Target::Start(_) => {}
         }
     }
 
@@ -195,6 +220,22 @@ impl Varied {
         if let Target::Start(place) = self.target {
             start_at(settings, place, value);
         }
+    }
+}
+
+/// `A..B`, or `A,B,C`.
+fn whole_numbers(text: &str) -> Result<Vec<f64>, Problem> {
+    let wrong = || usage(format!("--seeds wants whole numbers, A..B or A,B,C, not `{text}`"));
+    let number = |text: &str| text.trim().parse::<i32>().map_err(|_| wrong());
+    match text.split_once("..") {
+        Some((from, to)) => {
+            let (from, to) = (number(from)?, number(to)?);
+            if from > to || i64::from(to) - i64::from(from) >= MOST as i64 {
+                return Err(wrong());
+            }
+            Ok((from..=to).map(f64::from).collect())
+        }
+        None => text.split(',').map(|one| Ok(f64::from(number(one)?))).collect(),
     }
 }
 

@@ -10,9 +10,9 @@ use dalembert_symbolic::{expr, print};
 
 use crate::mechanism::{
     Action, Argument, Balance, BalanceSystem, Clock, Closes, ClosesBy, Contact, Contacts, Coordinate, Counts,
-    Description, Direction, Event, Extreme, Gimbal, Goal, ImpactLaw, InputJump, Integral, List, Motion, Parameter,
-    Part, Phase, Quantity, Rated, Role, Row, Sampling, Shape, Structure, Switch, SwitchKind, Table, Target, Text,
-    Tried, Trigger, Watched,
+    Description, Direction, Event, Extreme, Gimbal, Goal, ImpactLaw, InputJump, Integral, List, Motion, Noise,
+    Parameter, Part, Phase, Quantity, Rated, Role, Row, Sampling, Shape, Structure, Switch, SwitchKind, Table, Target,
+    Text, Tried, Trigger, Watched,
 };
 
 /// Where an integral was tried.
@@ -312,6 +312,15 @@ pub(super) fn describe(program: &Program, source: &str) -> Description {
             residual: c.residual as u32,
             jacobians: c.jacobians as u32,
         },
+    }
+}
+
+pub(super) fn noise(noise: &dalembert_symbolic::model::Noise) -> Noise {
+    Noise {
+        name: Text::Owned(noise.name.clone()),
+        seed: noise.seed,
+        event: noise.event as u32,
+        held: noise.held.iter().map(|j| *j as u32).collect(),
     }
 }
 

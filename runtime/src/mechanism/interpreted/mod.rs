@@ -10,7 +10,7 @@ use std::sync::{Arc, OnceLock};
 use dalembert_symbolic::interpret::{self, Function, Interpreter};
 use dalembert_symbolic::lower::Program;
 
-use describe::{contacts, describe, gimbal, motion, sampling};
+use describe::{contacts, describe, gimbal, motion, noise, sampling};
 pub(crate) use extended::ExtendedAt;
 use series::OwnSeries;
 
@@ -18,8 +18,8 @@ use super::balances::{belongs, put_reactions};
 use super::phased::{Phased, RowHistory, indicate, sprung};
 use super::system::Replaced;
 use super::{
-    Along, At, Balances, Contacts, Description, Energy, Enforcement, Gimbal, Motion, MotionNumbers, Sampling, Scene,
-    Series, Signal, Singular, SingularMass, System, sliding,
+    Along, At, Balances, Contacts, Description, Energy, Enforcement, Gimbal, Motion, MotionNumbers, Noise, Sampling,
+    Scene, Series, Signal, Singular, SingularMass, System, sliding,
 };
 use crate::cause::NoSeries;
 
@@ -31,6 +31,7 @@ pub struct Interpreted {
     gimbals: Arc<[Gimbal]>,
     motions: Arc<[Motion]>,
     sampling: Arc<Sampling>,
+    noise: Arc<[Noise]>,
     contacts: Arc<Contacts>,
     signals: Vec<Option<Replaced>>,
     derivation: Option<usize>,
@@ -46,6 +47,7 @@ impl Interpreted {
         let gimbals = program.model.gimbals().iter().map(gimbal).collect();
         let motions = program.model.motions.iter().map(motion).collect();
         let sampling = Arc::new(sampling(&program));
+        let noise = program.model.noise.iter().map(noise).collect();
         let contacts = Arc::new(contacts(&program));
         let signals = vec![None; program.model.inputs.len()];
         Interpreted {
@@ -54,6 +56,7 @@ impl Interpreted {
             gimbals,
             motions,
             sampling,
+            noise,
             contacts,
             signals,
             derivation: None,
@@ -118,6 +121,10 @@ impl System for Interpreted {
 
     fn sampling(&self) -> &Sampling {
         &self.sampling
+    }
+
+    fn held_noise(&self) -> &[Noise] {
+        &self.noise
     }
 
     fn contacts(&self) -> &Contacts {

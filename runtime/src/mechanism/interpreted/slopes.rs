@@ -168,6 +168,12 @@ impl Scalar for Dual {
             Binary::Atan2 => x.atan2(y),
             Binary::Min => x.min(y),
             Binary::Max => x.max(y),
+            Binary::Normal(_) => Dual::constant(f64::binary(operation, x.value, y.value)),
+            Binary::Table(table) => {
+                let (a, b) = (x.value.into(), y.value.into());
+                let slope = |k| table.derivative(k).map_or(0.0, |slope| slope.at(a, b).to_f64());
+                Dual::joined(table.at(a, b).to_f64(), [(x, slope(0)), (y, slope(1))])
+            }
         }
     }
 }

@@ -57,7 +57,7 @@ super::entries! {
         "One phase is active at a time.";
     E319 bad_table(name, why, help) "points that make no function"
         "`{name}` is no function: {why}" "" "{help}"
-        "A table has one value for each argument: at least two points, from left to right, and a periodic one ends as it begins.";
+        "A table has one value for each argument: at least two points, from left to right, and a periodic one ends as it begins. One of two arguments has a value for every x with every y.";
     E320 rough_table(name, slope, smooth, help) "a table that is not smooth enough"
         "`{slope}` enters the equations of motion, and jumps from piece to piece of `{name}`, which is smooth to order {smooth}" "" "{help}"
         "What moves a body enters with its second derivative, what has potential energy with its first; accelerations that jump unannounced would be integrated wrongly.";

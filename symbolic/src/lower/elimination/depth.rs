@@ -58,7 +58,8 @@ impl Depths {
             let takes = match graph.node(node) {
                 Node::Number(_) | Node::Symbol(_) | Node::Unary(Unary::Neg | Unary::Abs, _) => 0,
                 Node::Unary(Unary::Sqrt, _) | Node::Binary(Binary::Div, ..) => DIVISION,
-                Node::Binary(Binary::Pow | Binary::Atan2, ..) | Node::Unary(..) => FUNCTION,
+                Node::Binary(Binary::Pow | Binary::Atan2 | Binary::Table(_) | Binary::Normal(_), ..)
+                | Node::Unary(..) => FUNCTION,
                 Node::Binary(..) => ADDITION,
             };
             let before = children().map(|child| self.known[child.index()]).max().unwrap_or(0);
@@ -92,7 +93,9 @@ pub(super) fn time(graph: &Graph, roots: &[Id]) -> f64 {
                 !graph.find(Node::Unary(Unary::Sin, x)).is_some_and(|sine| needed[sine.index()])
             }
             Node::Unary(Unary::Neg | Unary::Abs | Unary::Sign | Unary::Step | Unary::Sqrt, _) => false,
-            Node::Unary(..) | Node::Binary(Binary::Pow | Binary::Atan2, ..) => true,
+            Node::Unary(..) | Node::Binary(Binary::Pow | Binary::Atan2 | Binary::Table(_) | Binary::Normal(_), ..) => {
+                true
+            }
             _ => false,
         };
         functions += usize::from(alone && depths.varies[id.index()]);

@@ -90,7 +90,9 @@ impl Depends {
             Binary::Add | Binary::Sub => false,
             Binary::Mul => first && second,
             Binary::Div => second,
-            Binary::Pow | Binary::Atan2 | Binary::Min | Binary::Max => first || second,
+            Binary::Pow | Binary::Atan2 | Binary::Min | Binary::Max | Binary::Table(_) | Binary::Normal(_) => {
+                first || second
+            }
         };
         let both = x.and(y);
         let switches = matches!(operation, Binary::Min | Binary::Max);

@@ -4,7 +4,7 @@ use super::facts::Depends;
 use super::index::{self, Indices};
 use super::lower::{Local, Lower};
 use super::names::Solid;
-use super::scope::{Member, Section};
+use super::scope::{Member, Section, TableKind};
 use super::value::Value;
 use crate::diagnose::catalogue::{mechanics, names, states};
 use crate::diagnose::did_you_mean;
@@ -77,21 +77,38 @@ impl Lower<'_> {
         })
     }
 
-    /// A table at an argument; nothing is said of one that was refused.
+    /// A table at its arguments; nothing is said of one that was refused.
     fn of_table(&mut self, name: &str, table: Option<usize>, arguments: &[Ast], span: Span) -> Value {
         let Some(place) = table else { return Value::Poison };
-        let [argument] = arguments else {
-            let place = self.place(span);
-            return self.refuse(names::argument_count(place, name, "1 argument".to_owned(), arguments.len()));
-        };
         let table = self.scope.tables[place].table;
+        let wanted = if matches!(table, TableKind::One(_)) { "1 argument" } else { "2 arguments" };
+        match (table, arguments) {
+            (TableKind::One(table), [argument]) => match self.argument_of_table(name, argument) {
+                Some(x) => Value::Scalar(self.builder.graph.unary(Unary::Table(table), x)),
+                None => Value::Poison,
+            },
+            (TableKind::Two(table), [first, second]) => {
+                match (self.argument_of_table(name, first), self.argument_of_table(name, second)) {
+                    (Some(x), Some(y)) => Value::Scalar(self.builder.graph.binary(Binary::Table(table), x, y)),
+                    _ => Value::Poison,
+                }
+            }
+            _ => {
+                let place = self.place(span);
+                self.refuse(names::argument_count(place, name, wanted.to_owned(), arguments.len()))
+            }
+        }
+    }
+
+    /// A number at which a table is wanted.
+    fn argument_of_table(&mut self, name: &str, argument: &Ast) -> Option<Id> {
         match self.expression(argument) {
-            Value::Scalar(x) => Value::Scalar(self.builder.graph.unary(Unary::Table(table), x)),
-            Value::Nothing => Value::Scalar(self.builder.graph.unary(Unary::Table(table), Id::ZERO)),
-            Value::Poison | Value::Orientation(_) => Value::Poison,
+            Value::Scalar(x) => Some(x),
+            Value::Nothing => Some(Id::ZERO),
+            Value::Poison | Value::Orientation(_) => None,
             found @ Value::Vector(_) => {
-                let problem = names::argument_kind(self.place(argument.span), name, "a number", found.describe());
-                self.refuse(problem)
+                self.refuse(names::argument_kind(self.place(argument.span), name, "a number", found.describe()));
+                None
             }
         }
     }

@@ -60,6 +60,7 @@ impl Lower<'_> {
             Member::Coordinate(place) => units.coordinates.get(place as usize).copied().unwrap_or_default(),
             Member::State(place) => units.states.get(place as usize).copied().unwrap_or_default(),
             Member::Memory(place) => units.memory.get(place as usize).copied().unwrap_or_default(),
+            Member::Noise(place) => units.memory.get(self.scope.noise[place].1).copied().unwrap_or_default(),
             Member::Input(_, place) | Member::Item(place) | Member::Frame(place) => item(place),
             Member::Body(place) => item(self.scope.bodies[place].position),
             Member::Reaction(_) if units.pure => Measure::ONE,
@@ -203,7 +204,7 @@ impl Lower<'_> {
                 let a = self.measure(a);
                 a.times(self.measure(b))
             }
-            (_, [argument]) if self.table(name).is_some() => self.measure_of_table(name, argument),
+            _ if self.table(name).is_some() => self.measure_of_table(name, arguments),
             _ => {
                 for argument in arguments {
                     self.want_pure(name, argument);
@@ -213,16 +214,18 @@ impl Lower<'_> {
         }
     }
 
-    /// What a table gives; its argument is in the unit of its first column.
-    fn measure_of_table(&mut self, name: &str, argument: &Ast) -> Measure {
-        let found = self.measure(argument);
+    /// What a table gives; its arguments are in the units of its first columns.
+    fn measure_of_table(&mut self, name: &str, arguments: &[Ast]) -> Measure {
+        let found: Vec<Measure> = arguments.iter().map(|argument| self.measure(argument)).collect();
         let Some(Some(place)) = self.table(name) else { return Measure::Unknown };
-        let (of, gives) = (self.scope.tables[place].of, self.scope.tables[place].gives);
-        if let (None, Measure::Of(found), Measure::Of(of)) = (found.alike(of), found, of) {
-            let words = self.text.words(argument.span).to_owned();
-            let what = format!("the argument of `{name}`");
-            let problem = units::wrong_unit(self.place(argument.span), words, found.described(), what, of.wanted(), "");
-            self.refuse(problem);
+        let (of, gives) = (self.scope.tables[place].of.clone(), self.scope.tables[place].gives);
+        for (k, ((argument, found), unit)) in arguments.iter().zip(found).zip(&of).enumerate() {
+            if let (None, Measure::Of(found), Measure::Of(wanted)) = (found.alike(*unit), found, *unit) {
+                let words = self.text.words(argument.span).to_owned();
+                let which = if of.len() == 1 { "the" } else { ["the first", "the second"][k] };
+                let (place, what) = (self.place(argument.span), format!("{which} argument of `{name}`"));
+                self.refuse(units::wrong_unit(place, words, found.described(), what, wanted.wanted(), ""));
+            }
         }
         gives
     }

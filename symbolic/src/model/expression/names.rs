@@ -194,6 +194,7 @@ impl Lower<'_> {
             Member::Size(value) => Value::Scalar(self.builder.graph.integer(value)),
             Member::Parameter(place) => Value::Scalar(self.builder.graph.symbol(Symbol::Parameter(place))),
             Member::Memory(place) => Value::Scalar(self.builder.graph.symbol(Symbol::Memory(place))),
+            Member::Noise(place) => Value::Scalar(self.scope.noise[place].0),
             Member::Item(item) => self.item(item),
             Member::Body(body) => self.item(self.scope.bodies[body].position),
             Member::Reaction(place) => {

@@ -6,7 +6,7 @@ use super::dimension::{Dimension, Measure};
 use super::radians::{self, Radians};
 use super::rules::Expected;
 use super::value::Value;
-use crate::expr::{Id, Table};
+use crate::expr::{Id, Table, Table2d};
 use crate::language::FUNCTIONS;
 use crate::model::resolved::{Body, Reaction};
 
@@ -23,6 +23,8 @@ pub enum Section {
     State,
     /// `memory`
     Memory,
+    /// `noise`
+    Noise,
     /// `inputs`
     Input,
     /// `define`
@@ -54,6 +56,7 @@ impl Section {
             Section::Coordinate => "coordinates",
             Section::State => "states",
             Section::Memory => "memory",
+            Section::Noise => "noise",
             Section::Input => "inputs",
             Section::Definition => "define",
             Section::Frame => "frames",
@@ -75,6 +78,7 @@ impl Section {
             Section::Coordinate => "a coordinate",
             Section::State => "a state",
             Section::Memory => "a held value",
+            Section::Noise => "noise",
             Section::Input => "an input",
             Section::Definition => "a definition",
             Section::Frame => "a frame",
@@ -104,6 +108,8 @@ pub enum Member {
     State(u32),
     /// A held value, by its place.
     Memory(u32),
+    /// Held noise, by its place.
+    Noise(usize),
     /// An input, by its place, and the item that holds its expression.
     Input(u32, usize),
     /// A derived parameter, definition or point: the item that holds its value.
@@ -215,13 +221,22 @@ pub enum JointRow {
     },
 }
 
+/// A table of one argument or of two.
+#[derive(Clone, Copy, Debug)]
+pub enum TableKind {
+    /// Of one.
+    One(Table),
+    /// Of two.
+    Two(Table2d),
+}
+
 /// A function that is given by points.
 #[derive(Clone, Debug)]
 pub struct TableNames {
     /// The function, in SI.
-    pub table: Table,
-    /// The unit of its argument.
-    pub of: Measure,
+    pub table: TableKind,
+    /// The units of its arguments.
+    pub of: Vec<Measure>,
     /// The unit of its value.
     pub gives: Measure,
 }
@@ -325,6 +340,8 @@ pub struct Scope {
     pub joints: Vec<JointNames>,
     /// Tables in the file's order.
     pub tables: Vec<TableNames>,
+    /// Values of noise, each with the place of the held value whose unit it has.
+    pub noise: Vec<(Id, usize)>,
     /// Known once bodies and loads are.
     pub energies: Option<Energies>,
     /// Bodies with their masses and inertias, known with the energies.

@@ -6,7 +6,7 @@ use crate::diagnose::catalogue::{mechanics, memory, names, sections};
 use crate::diagnose::did_you_mean_or;
 use crate::expr::Id;
 use crate::file::{Quantity, Spot};
-use crate::model::event::{Clock, EventAction, HeldValue, Set, Target};
+use crate::model::event::{Clock, EventAction, HeldValue, Noise, Set, Target};
 use crate::model::expression::dimension::{Dimension, Measure};
 use crate::model::expression::families::{Expanded, Family, Locals};
 use crate::model::expression::rules::Rules;
@@ -77,7 +77,15 @@ impl Resolver<'_> {
 
     /// Every held value is an output, under its own name.
     pub fn memory_outputs(&mut self) {
+        let noise: Vec<Noise> = self.model.noise.clone();
+        let of_noise = |j: usize| noise.iter().find(|noise| noise.held.contains(&j));
         for j in 0..self.model.memory.len() {
+            // Of noise its value alone, which need not be what it holds.
+            let value = match of_noise(j) {
+                Some(noise) if noise.held[0] != j => continue,
+                Some(noise) => noise.value,
+                None => self.builder.graph.symbol(crate::expr::Symbol::Memory(j as u32)),
+            };
             let name = self.model.memory[j].name.clone();
             if self.model.outputs.iter().any(|output| output.name == name) {
                 let outputs = crate::diagnose::Place::default().key("outputs");
@@ -85,7 +93,6 @@ impl Resolver<'_> {
                 let place = if map { outputs.key(&name).of_key() } else { outputs };
                 self.builder.problems.push(memory::column_of_memory(place, &name));
             }
-            let value = self.builder.graph.symbol(crate::expr::Symbol::Memory(j as u32));
             let measure = self.scope.units.memory[j];
             let measured = measure.dimension().filter(|dimension| *dimension != Dimension::ONE).map(|d| d.to_string());
             let unit = self.model.memory[j].unit.clone().filter(|unit| unit != "1").or(measured);

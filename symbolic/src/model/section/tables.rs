@@ -3,6 +3,7 @@
 use std::io::Read;
 use std::path::Path;
 
+use super::tables_2d::has_two_arguments;
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{later, sections};
 use crate::expr::{Smooth, Table};
@@ -10,16 +11,16 @@ use crate::file::{Spot, unit_at};
 use crate::model::expression::dimension::Measure;
 use crate::model::expression::index::MEMBER_LIMIT;
 use crate::model::expression::rules::Rules;
-use crate::model::expression::scope::{Member, Section, TableNames};
+use crate::model::expression::scope::{Member, Section, TableKind, TableNames};
 use crate::model::resolver::Resolver;
 
 /// What an entry may say.
 const KEYS: [&str; 6] = ["points", "file", "columns", "units", "smooth", "periodic"];
 
 /// What a column's numbers are in.
-struct Scale {
-    factor: f64,
-    measure: Measure,
+pub(super) struct Scale {
+    pub factor: f64,
+    pub measure: Measure,
 }
 
 impl Resolver<'_> {
@@ -48,24 +49,17 @@ impl Resolver<'_> {
         if !spot.only(&KEYS, "a table", &mut self.builder.problems) {
             return None;
         }
+        if has_two_arguments(spot) {
+            return self.read_table_2d(name, spot);
+        }
         let before = self.builder.problems.len();
         let smooth = self.smooth(spot);
         let periodic = self.periodic(spot);
         let [of, gives] = self.scales(spot)?;
         let points = match (spot.get("points"), spot.get("file")) {
-            (Some(_), Some(file)) => {
-                let place = file.place.of_key();
-                self.builder.problems.push(sections::conflicting_keys(place, "points", "file", "a table"));
-                return None;
-            }
-            (Some(points), None) => self.listed_points(&points)?,
-            (None, Some(file)) => self.points_of_file(spot, &file)?,
-            (None, None) if spot.misspelt(&self.builder.problems) => return None,
-            (None, None) => {
-                let place = spot.place.of_key();
-                self.builder.problems.push(sections::needs_one_of(place, "`points`, `file`", "a table"));
-                return None;
-            }
+            (Some(points), None) => self.listed_points(name, &points)?,
+            (None, Some(file)) => self.lines_of_file(spot, &file)?,
+            _ => return self.without_points(spot),
         };
         let scaled: Vec<[f64; 2]> = points.iter().map(|[x, y]| [x * of.factor, y * gives.factor]).collect();
         let at = spot.get("points").or_else(|| spot.get("file")).map_or(Place::default(), |spot| spot.place);
@@ -79,10 +73,22 @@ impl Resolver<'_> {
             self.builder.problems.push(sections::bad_table(at, name, "it is too steep for numbers of 64 bits", help));
         }
         let sound = self.builder.problems.len() == before;
-        sound.then_some(TableNames { table, of: of.measure, gives: gives.measure })
+        sound.then_some(TableNames { table: TableKind::One(table), of: vec![of.measure], gives: gives.measure })
     }
 
-    fn smooth(&mut self, spot: &Spot<'_>) -> Smooth {
+    /// Tells that neither `points` nor `file` is given, or both.
+    pub(super) fn without_points(&mut self, spot: &Spot<'_>) -> Option<TableNames> {
+        if let Some(file) = spot.get("file") {
+            let place = file.place.of_key();
+            self.builder.problems.push(sections::conflicting_keys(place, "points", "file", "a table"));
+        } else if !spot.misspelt(&self.builder.problems) {
+            let place = spot.place.of_key();
+            self.builder.problems.push(sections::needs_one_of(place, "`points`, `file`", "a table"));
+        }
+        None
+    }
+
+    pub(super) fn smooth(&mut self, spot: &Spot<'_>) -> Smooth {
         let Some(smooth) = spot.get("smooth") else { return Smooth::Twice };
         let problems = &mut self.builder.problems;
         match smooth.words(problems) {
@@ -110,14 +116,14 @@ impl Resolver<'_> {
         }
     }
 
-    /// What both columns are in.
-    fn scales(&mut self, spot: &Spot<'_>) -> Option<[Scale; 2]> {
+    /// What the columns are in.
+    pub(super) fn scales<const N: usize>(&mut self, spot: &Spot<'_>) -> Option<[Scale; N]> {
         let Some(units) = spot.get("units") else {
-            return Some([(); 2].map(|()| Scale { factor: 1.0, measure: Measure::Unknown }));
+            return Some([(); N].map(|()| Scale { factor: 1.0, measure: Measure::Unknown }));
         };
         let list = units.list(&mut self.builder.problems);
-        if list.len() != 2 {
-            self.builder.problems.push(sections::list_length(units.place, "units", 2, list.len()));
+        if list.len() != N {
+            self.builder.problems.push(sections::list_length(units.place, "units", N, list.len()));
             return None;
         }
         let mut scale = |spot: &Spot<'_>| {
@@ -133,12 +139,12 @@ impl Resolver<'_> {
                 }
             }
         };
-        let (of, gives) = (scale(&list[0]), scale(&list[1]));
-        Some([of?, gives?])
+        let scales: Vec<Option<Scale>> = list.iter().map(&mut scale).collect();
+        scales.into_iter().collect::<Option<Vec<Scale>>>()?.try_into().ok()
     }
 
     /// `[[x, y], …]`.
-    fn listed_points(&mut self, spot: &Spot<'_>) -> Option<Vec<[f64; 2]>> {
+    fn listed_points(&mut self, name: &str, spot: &Spot<'_>) -> Option<Vec<[f64; 2]>> {
         let before = self.builder.problems.len();
         let list = spot.list(&mut self.builder.problems);
         if !self.count(list.len(), &spot.place) {
@@ -147,10 +153,16 @@ impl Resolver<'_> {
         let mut points = Vec::with_capacity(list.len());
         for point in list {
             let pair = point.list(&mut self.builder.problems);
+            if pair.len() == 3 && self.builder.problems.len() == before {
+                let help = "a function of two arguments has a grid: `points: {x: [0, 1], y: [0, 1, 2], values: [[1, 2, 3], [4, 5, 6]]}`";
+                let why = "its points have three numbers";
+                self.builder.problems.push(sections::bad_table(point.place, name, why, help));
+                return None;
+            }
             let [x, y] = pair.as_slice() else {
                 if self.builder.problems.len() == before {
-                    let (name, found) = (point.name.clone(), pair.len());
-                    self.builder.problems.push(sections::list_length(point.place, name, 2, found));
+                    let (item, found) = (point.name.clone(), pair.len());
+                    self.builder.problems.push(sections::list_length(point.place, item, 2, found));
                 }
                 continue;
             };
@@ -162,7 +174,7 @@ impl Resolver<'_> {
     }
 
     /// A number, or an expression of numbers.
-    fn number_of_point(&mut self, spot: &Spot<'_>) -> Option<f64> {
+    pub(super) fn number_of_point(&mut self, spot: &Spot<'_>) -> Option<f64> {
         if let Some(number) =
             spot.words(&mut self.builder.problems)?.trim().parse().ok().filter(|x: &f64| x.is_finite())
         {
@@ -178,8 +190,8 @@ impl Resolver<'_> {
         number
     }
 
-    /// Two columns of a file beside the model's.
-    fn points_of_file(&mut self, spot: &Spot<'_>, file: &Spot<'_>) -> Option<Vec<[f64; 2]>> {
+    /// Columns of a file beside the model's, line by line.
+    pub(super) fn lines_of_file<const N: usize>(&mut self, spot: &Spot<'_>, file: &Spot<'_>) -> Option<Vec<[f64; N]>> {
         let words = file.words(&mut self.builder.problems)?;
         let Some(folder) = &self.folder else {
             self.builder
@@ -192,11 +204,12 @@ impl Resolver<'_> {
             None => None,
             Some(columns) => {
                 let list = columns.list(&mut self.builder.problems);
-                if list.len() != 2 {
-                    self.builder.problems.push(sections::list_length(columns.place, "columns", 2, list.len()));
+                if list.len() != N {
+                    self.builder.problems.push(sections::list_length(columns.place, "columns", N, list.len()));
                     return None;
                 }
-                Some([list[0].words(&mut self.builder.problems)?, list[1].words(&mut self.builder.problems)?])
+                let names = list.iter().map(|name| name.words(&mut self.builder.problems));
+                Some(names.collect::<Option<Vec<&str>>>()?.try_into().ok()?)
             }
         };
         match text_of(&path).and_then(|text| columns_of(&text, columns)) {
@@ -271,8 +284,8 @@ fn has_decimal_comma(cell: &str) -> bool {
     cell.matches(',').count() == 1 && cell.replace(',', ".").parse::<f64>().is_ok()
 }
 
-/// Two columns of a table of text: the first two, or those of these names.
-pub(super) fn columns_of(text: &str, names: Option<[&str; 2]>) -> Result<Vec<[f64; 2]>, String> {
+/// Columns of a table of text: the first ones, or those of these names.
+pub(super) fn columns_of<const N: usize>(text: &str, names: Option<[&str; N]>) -> Result<Vec<[f64; N]>, String> {
     let told = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
     let separator = separator(told.clone().map(|(_, line)| line));
     let cells = |line: &str| -> Vec<String> {
@@ -284,7 +297,7 @@ pub(super) fn columns_of(text: &str, names: Option<[&str; 2]>) -> Result<Vec<[f6
     };
     let mut lines = told.peekable();
     let number = |cell: &str| cell.parse::<f64>().ok().filter(|x| x.is_finite());
-    let mut places = [0, 1];
+    let mut places: [usize; N] = std::array::from_fn(|place| place);
     let named = |cells: &Vec<String>| cells.iter().all(|cell| number(cell).is_none() && !has_decimal_comma(cell));
     let header = lines.peek().map(|(_, line)| cells(line)).filter(named);
     if header.is_some() {
@@ -306,7 +319,11 @@ pub(super) fn columns_of(text: &str, names: Option<[&str; 2]>) -> Result<Vec<[f6
                 false => format!("`{cell}` in line {} is no number", line + 1),
             })
         };
-        Ok([at(places[0])?, at(places[1])?])
+        let mut values = [0.0; N];
+        for (value, place) in values.iter_mut().zip(places) {
+            *value = at(place)?;
+        }
+        Ok(values)
     };
     // A file can be longer than any model may be.
     lines.take(MEMBER_LIMIT + 1).map(point).collect()
@@ -320,13 +337,16 @@ mod tests {
     fn columns_are_found_whatever_separates_them() {
         let points = vec![[0.0, 1.0], [1.0, -2.5]];
         for text in ["0,1\n1,-2.5\n", "s;z\n0;1\n1;-2.5", "# road\n\n0 1\n1\t-2.5\n", "\"s\" \"z\"\n0.0 1e0\n1 -2.5"] {
-            assert_eq!(columns_of(text, None).as_ref(), Ok(&points), "{text}");
+            assert_eq!(columns_of::<2>(text, None).as_ref(), Ok(&points), "{text}");
         }
         let wide = "t, s, z\n9, 0, 1\n9, 1, -2.5\n";
-        assert_eq!(columns_of(wide, Some(["s", "z"])).as_ref(), Ok(&points));
-        assert_eq!(columns_of(wide, Some(["s", "y"])), Err("no column is called `y`; there are t, s, z".to_owned()));
-        assert_eq!(columns_of("0,1\n1,x", None), Err("`x` in line 2 is no number".to_owned()));
-        assert_eq!(columns_of("0,1\n1", None), Err("line 2 has 1 columns".to_owned()));
-        assert_eq!(columns_of("0,1", Some(["a", "b"])), Err("it has no line of names".to_owned()));
+        assert_eq!(columns_of::<2>(wide, Some(["s", "z"])).as_ref(), Ok(&points));
+        assert_eq!(
+            columns_of::<2>(wide, Some(["s", "y"])),
+            Err("no column is called `y`; there are t, s, z".to_owned())
+        );
+        assert_eq!(columns_of::<2>("0,1\n1,x", None), Err("`x` in line 2 is no number".to_owned()));
+        assert_eq!(columns_of::<2>("0,1\n1", None), Err("line 2 has 1 columns".to_owned()));
+        assert_eq!(columns_of::<2>("0,1", Some(["a", "b"])), Err("it has no line of names".to_owned()));
     }
 }

@@ -182,6 +182,8 @@ impl Printing<'_> {
             }
         }
         out += &self.tables();
+        out += &self.tables_2d();
+        out += &self.normal();
         out += &self.defaults();
         out += &self.block();
         out += &self.rows();

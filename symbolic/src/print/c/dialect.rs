@@ -1,6 +1,6 @@
 //! How C99 writes straight-line functions, and names and words of a file in C.
 
-use crate::expr::{Binary, Number, Unary};
+use crate::expr::{Binary, Number, Table2d, Unary};
 use crate::model::local_name;
 use crate::print::dialect::{Dialect, Piece};
 
@@ -176,6 +176,15 @@ impl Dialect for C<'_> {
 
     fn table(&self, place: usize, order: u8, x: &Piece) -> String {
         format!("{}_table_{place}({}, {order})", self.prefix, x.text)
+    }
+
+    fn table_2d(&self, place: usize, table: Table2d, x: &Piece, y: &Piece) -> String {
+        let [of_x, of_y] = table.order();
+        format!("{}_table_2d_{place}({}, {}, {of_x}, {of_y})", self.prefix, x.text, y.text)
+    }
+
+    fn normal(&self, key: u64, seed: &Piece, place: &Piece) -> String {
+        format!("{}_normal({}, {}, UINT64_C({key:#018x}))", self.prefix, seed.text, place.text)
     }
 
     fn turn(&self, names: &[Option<String>; 2], angle: &Piece) -> String {

@@ -4,7 +4,9 @@ mod acceleration;
 mod declarations;
 mod dialect;
 mod function;
+mod normal;
 mod starts;
+mod tables_2d;
 
 use rustc_hash::FxHashMap as HashMap;
 
@@ -56,8 +58,9 @@ impl CText {
 /// The functions of a mechanism in C99, with names that begin with `name`.
 pub fn c(program: &Program, name: &str) -> CText {
     let prefix = dialect::identifier(name);
-    let tables = program.tables();
+    let (tables, tables_2d) = (program.tables(), program.tables_2d());
     let own = (0..tables.len()).map(|place| format!("{prefix}_table_{place}"));
+    let own = own.chain(tables_2d::names(&prefix, tables_2d.len())).chain(normal::names(&prefix));
     let taken = KEYWORDS.iter().chain(super::OWN).chain(dialect::TAKEN).map(|name| (*name).to_owned());
     let mut names = Names::of(&program.model, Scope::with(taken.chain(own)));
     let constants = hoist(program);
@@ -76,6 +79,7 @@ pub fn c(program: &Program, name: &str) -> CText {
         first_phase,
         first_memory,
         tables: &tables,
+        tables_2d: &tables_2d,
         dialect: &dialect,
     };
     let printing = Printing {

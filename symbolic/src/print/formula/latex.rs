@@ -59,6 +59,15 @@ impl Latex<'_> {
                 let primes = "'".repeat(table.order().into());
                 format!("{}{primes}\\left({}\\right)", name(table.whole().name()), self.written(x))
             }
+            Formula::Table2d(table, arguments) => {
+                let [of_x, of_y] = table.order().map(usize::from);
+                let by = match of_x + of_y {
+                    0 => String::new(),
+                    _ => format!("_{{{}{}}}", "x".repeat(of_x), "y".repeat(of_y)),
+                };
+                let function = format!("{{{}}}{by}", name(table.whole().name()));
+                format!("{function}\\left({}\\right)", self.list(arguments))
+            }
             Formula::Call("^", arguments) => {
                 let [base, exponent] = arguments.as_slice() else { return String::new() };
                 format!("{}^{{{}}}", self.base(base), self.written(exponent))

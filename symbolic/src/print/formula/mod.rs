@@ -10,7 +10,7 @@ use std::rc::Rc;
 
 use rustc_hash::FxHashMap as HashMap;
 
-use crate::expr::{Binary, Graph, Id, Node, Number, Symbol, Table, Unary, factors, terms};
+use crate::expr::{Binary, Graph, Id, Node, Number, Symbol, Table, Table2d, Unary, factors, terms};
 
 pub(super) use latex::Latex;
 pub(super) use python::Python;
@@ -33,6 +33,8 @@ pub(super) enum Formula {
     Call(&'static str, Vec<Rc<Formula>>),
     /// A table of the model, or a derivative of it.
     Table(Table, Rc<Formula>),
+    /// A table of two arguments, or a derivative of it.
+    Table2d(Table2d, [Rc<Formula>; 2]),
 }
 
 /// A base with twice its exponent, which is positive.
@@ -226,10 +228,14 @@ impl Writing {
             Node::Binary(Binary::Pow, x, y) => (false, Formula::Call("^", vec![self.whole(x), self.whole(y)])),
             Node::Unary(Unary::Table(table), x) => (false, Formula::Table(table, self.whole(x))),
             Node::Unary(function, x) => (false, Formula::Call(function.name(), vec![self.whole(x)])),
+            Node::Binary(Binary::Table(table), x, y) => {
+                (false, Formula::Table2d(table, [x, y].map(|argument| self.whole(argument))))
+            }
             Node::Binary(function, x, y) => {
                 let name = match function {
                     Binary::Atan2 => "atan2",
                     Binary::Min => "min",
+                    Binary::Normal(_) => "normal",
                     _ => "max",
                 };
                 (false, Formula::Call(name, vec![self.whole(x), self.whole(y)]))
@@ -367,7 +373,7 @@ fn rank(formula: &Formula) -> (u8, u32) {
         Formula::Symbol(Symbol::Acceleration(k)) => (4, *k),
         Formula::Number(_) | Formula::Symbol(_) => (1, 0),
         Formula::Part(k) => (5, *k as u32),
-        Formula::Call(..) | Formula::Table(..) | Formula::Product(..) => (6, 0),
+        Formula::Call(..) | Formula::Table(..) | Formula::Table2d(..) | Formula::Product(..) => (6, 0),
         Formula::Sum(_) => (7, 0),
     }
 }

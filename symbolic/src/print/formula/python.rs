@@ -1,7 +1,7 @@
 //! Formulas in Python, with NumPy's functions.
 
 use super::{Formula, Level, Notation, Power, sum};
-use crate::expr::{DoubleDouble, Number, Symbol, Table};
+use crate::expr::{DoubleDouble, Number, Symbol, Table, Table2d};
 use crate::model::local_name;
 
 /// Writes formulas as Python.
@@ -18,6 +18,11 @@ impl Python<'_> {
 
     /// The function of a table.
     pub fn table(table: Table) -> String {
+        format!("{}_table_", local_name(table.whole().name()).trim_start_matches("r#"))
+    }
+
+    /// The function of a table of two arguments.
+    pub fn table_2d(table: Table2d) -> String {
         format!("{}_table_", local_name(table.whole().name()).trim_start_matches("r#"))
     }
 
@@ -54,6 +59,10 @@ impl Notation for Python<'_> {
             Formula::Table(table, x) => {
                 let (name, order) = (Self::table(*table), table.order());
                 (format!("{name}({}, {order})", self.written(x).0), Level::Atom)
+            }
+            Formula::Table2d(table, arguments) => {
+                let (name, [of_x, of_y]) = (Self::table_2d(*table), table.order());
+                (format!("{name}({}, ({of_x}, {of_y}))", self.list(arguments)), Level::Atom)
             }
             Formula::Call("^", arguments) => {
                 let parts: Vec<String> = arguments.iter().map(|x| self.at(x, Level::Atom)).collect();

@@ -55,6 +55,7 @@ impl Notation for Text<'_> {
                 (out, if alone { Level::Power } else { Level::Product })
             }
             Formula::Table(table, x) => (format!("{}({})", table.name(), self.written(x).0), Level::Atom),
+            Formula::Table2d(table, arguments) => (format!("{}({})", table.name(), self.list(arguments)), Level::Atom),
             Formula::Call("^", arguments) => {
                 (arguments.iter().map(|x| self.at(x, Level::Atom)).collect::<Vec<_>>().join("^"), Level::Power)
             }

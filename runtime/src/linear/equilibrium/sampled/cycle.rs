@@ -1,7 +1,7 @@
 //! Which clocks tick when, until they come together again.
 
 use crate::linear::LinearError;
-use crate::mechanism::System;
+use crate::mechanism::{System, is_of_noise};
 
 /// More ticks than this until all clocks come together again are refused.
 pub(super) const MOST_TICKS: usize = 10_000;
@@ -21,11 +21,13 @@ pub(super) struct Cycle {
 
 impl Cycle {
     pub fn of<S: System + ?Sized>(system: &S) -> Result<Cycle, LinearError> {
-        let clocks = system.clocks();
-        let Some([_, first]) = clocks.first().copied() else { return Err(LinearError::NotSampled) };
+        let all = system.clocks();
+        let clocks: Vec<(usize, [f64; 2])> =
+            all.iter().copied().enumerate().filter(|(k, _)| !is_of_noise(system, *k)).collect();
+        let Some((_, [start, first])) = clocks.first().copied() else { return Err(LinearError::NotSampled) };
         // So many periods of the first clock, by what its period is to each of the others.
         let mut count = 1_u64;
-        for [_, every] in &clocks {
+        for (_, [_, every]) in &clocks {
             let (a, _) = quotient(every / first).ok_or(LinearError::TooManyTicks { most: MOST_TICKS })?;
             count = count / gcd(count, a) * a;
             if count > MOST_TICKS as u64 {
@@ -34,20 +36,20 @@ impl Cycle {
         }
         let period = count as f64 * first;
         let mut ticks: Vec<(f64, usize)> = Vec::new();
-        for (k, [from, every]) in clocks.iter().enumerate() {
+        for (k, [from, every]) in &clocks {
             let number = (period / every).round() as usize;
             if ticks.len() + number > MOST_TICKS {
                 return Err(LinearError::TooManyTicks { most: MOST_TICKS });
             }
-            let phase = (from - clocks[0][0]).rem_euclid(*every);
+            let phase = (from - start).rem_euclid(*every);
             let phase = if every - phase <= INSTANT * period { 0.0 } else { phase };
-            ticks.extend((0..number).map(|tick| ((tick as f64).mul_add(*every, phase), k)));
+            ticks.extend((0..number).map(|tick| ((tick as f64).mul_add(*every, phase), *k)));
         }
         ticks.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut times: Vec<(f64, Vec<bool>)> = Vec::new();
         for (t, clock) in ticks {
             if times.last().is_none_or(|(last, _)| t - last > INSTANT * period) {
-                times.push((t, vec![false; clocks.len()]));
+                times.push((t, vec![false; all.len()]));
             }
             times.last_mut().into_iter().for_each(|(_, ticking)| ticking[clock] = true);
         }

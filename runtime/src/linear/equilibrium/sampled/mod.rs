@@ -177,7 +177,8 @@ impl Search {
         let names = description.coordinates[..n].iter().map(|c| c.name.to_string());
         let rates = description.coordinates.iter().map(|c| rate_name(&c.name));
         let of_loop = self.read.iter().map(|j| sampling.memory[*j].name.to_string());
-        let unread = (0..self.memory.len()).filter(|j| !self.read.contains(j));
+        let of_noise = |j: &usize| system.held_noise().iter().any(|noise| noise.held.contains(&(*j as u32)));
+        let unread = (0..self.memory.len()).filter(|j| !self.read.contains(j) && !of_noise(j));
         let sets = |event: &usize| {
             let actions = &description.events[*event].actions;
             *sampling.trigger(*event) == Trigger::Zero && actions.iter().any(|action| matches!(action, Action::Set(_)))

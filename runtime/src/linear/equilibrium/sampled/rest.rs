@@ -80,7 +80,10 @@ impl Search {
         };
         let ticks =
             |event: &usize| matches!(sampling.trigger(*event), Trigger::Tick(clock) if ticking[*clock as usize]);
-        let first: Vec<usize> = (0..description.events.len()).filter(ticks).filter(acts).collect();
+        // Noise stays at its mean.
+        let is_noise = |event: &usize| system.held_noise().iter().any(|noise| noise.event as usize == *event);
+        let events = (0..description.events.len()).filter(|event| !is_noise(event));
+        let first: Vec<usize> = events.filter(ticks).filter(acts).collect();
         let set: Vec<u32> = first
             .iter()
             .flat_map(|event| self.of_event(*event))
@@ -148,7 +151,11 @@ impl Search {
         }
         (self.q, self.memory) = (q, memory);
         self.put_memory();
-        self.read = (0..read.len()).filter(|j| read[*j]).collect();
+        let of_noise: Vec<u32> = {
+            let system = self.base.system.borrow();
+            system.held_noise().iter().flat_map(|noise| noise.held.iter().copied()).collect()
+        };
+        self.read = (0..read.len()).filter(|j| read[*j] && !of_noise.contains(&(*j as u32))).collect();
     }
 
     fn put_memory(&self) {
