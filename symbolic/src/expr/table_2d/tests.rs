@@ -114,7 +114,7 @@ fn straight_between_points_is_the_bilinear_function() {
     assert_eq!((nth(table, [1, 1]).derivative(0), nth(table, [1, 1]).name()), (None, "b_xy"));
     // Straight on beyond a corner: from -3 with slopes -3 and 4, and the cell's twist.
     let twist = (1.0 - 2.0 + 0.0 - -3.0) / 1.0;
-    let wanted = -3.0 - 3.0 * 0.5 + 4.0 * -1.0 + twist * 0.5 * -1.0;
+    let wanted = -3.0 - 3.0 * 0.5 - 4.0 - 0.5 * twist;
     assert!((value(table, 3.5, -2.0) - wanted).abs() < 1e-14);
 }
 
@@ -182,7 +182,7 @@ fn a_period_is_one_of_each_argument() {
     let mut values: Vec<Vec<f64>> = angles.iter().map(|x| ys.iter().map(|y| f(*x, *y)).collect()).collect();
     values[48] = values[0].clone();
     let table = Table2d::new("p", &Grid { knots: [angles, ys], values }, Smooth::Twice, [true, false]);
-    for x in [0.01, 1.0, 3.0, 6.28] {
+    for x in [0.01, 1.0, 3.0, 6.25] {
         let (once, later) = (value(table, x, 0.77), value(table, x - 3.0 * turn, 0.77));
         assert!((once - later).abs() < 1e-13 && (once - f(x, 0.77)).abs() < 1e-4, "{once} {later}");
         assert!((value(nth(table, [1, 0]), x, 0.77) + x.sin() * 0.385_f64.exp()).abs() < 1e-4);
