@@ -146,7 +146,7 @@ fn functions(system: &Interpreted, at: At<'_>) -> Vec<Compared> {
     let times: Vec<(u32, u32)> = description.time_pattern.iter().map(|row| (*row, 0)).collect();
     let energy = system.energy(at);
     let mut all = vec![
-        ("mass_matrix", 1, dense(&description.mass_pattern, &mass, n, n, true)),
+        ("mass_matrix", 2, dense(&description.mass_pattern, &mass, n, n, true)),
         ("bias", 2, filled(n, &|out| system.bias(at, out))),
         ("residual", 3, filled(n, &|out| system.residual(at, out))),
         ("energy", 3, vec![energy.kinetic, energy.potential, energy.jacobi, energy.power, energy.scale]),

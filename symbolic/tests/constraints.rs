@@ -87,7 +87,7 @@ fn a_reaction_is_work_per_unit_of_what_has_no_velocity_and_else_power() {
 outputs: {rod: -2*l*reaction(rod), rho: reaction(rod), n: reaction(floor), f: reaction(roll), m: reaction(turn)}";
     let model = bead(file);
     let units: Vec<Option<&str>> = model.outputs.iter().map(|o| o.unit.as_deref()).collect();
-    assert_eq!(units, [Some("N"), Some("N/m"), Some("N"), Some("N"), Some("J")]);
+    assert_eq!(units, [Some("N"), Some("N/m"), Some("N"), Some("N"), Some("N*m")]);
 }
 
 #[test]

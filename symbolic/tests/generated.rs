@@ -179,6 +179,9 @@ fn judge(program: &Program) -> BTreeSet<String> {
     let mut nested = vec!["description"; 2 + usize::from(locks) + if model.motions.is_empty() { 0 } else { 2 }];
     nested.extend(if held { &["description"; 2][..] } else { &[] });
     nested.extend(if model.contacts.is_empty() { &[] } else { &["description"; 2][..] });
+    // Noise has both too, and tables of two arguments a `static`.
+    nested.extend(if model.noise.is_empty() { &[] } else { &["description"; 2][..] });
+    nested.extend(rust(program, "source", "Meant").contains("fn tables_2d()").then_some("description"));
     nested.extend(model.all_scenes().filter(|scene| !scene.memory.is_empty()).map(|_| "values"));
     nested.extend((!model.clocks.is_empty()).then_some("values"));
     let methods: Vec<String> =

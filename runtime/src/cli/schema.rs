@@ -371,6 +371,7 @@ mod tests {
             let section = match *object {
                 "body" => "bodies: {a: {qqqqqqqq: 1}}".to_owned(),
                 "scene" => "scene: {qqqqqqqq: 1}".to_owned(),
+                "exchange" => "bodies: {a: {mass: 1, position: [0, x], loses: {qqqqqqqq: 1}}}".to_owned(),
                 "noise" => "noise: {a: {qqqqqqqq: 1}}".to_owned(),
                 "closing" => "motions: {a: {closes: {qqqqqqqq: 1}}}".to_owned(),
                 "fit" => "motions: {a: {fit: {qqqqqqqq: 1}}}".to_owned(),

@@ -3,11 +3,8 @@
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::compact::thinned;
+use super::compact::{Spot, thinned};
 use super::figure::{Canvas, FINE, Outcome, text};
-
-/// A place in drawing units.
-pub(super) type Spot = (i32, i32);
 
 /// A place on the picture in drawing units, where there is one.
 pub(super) type Place = Option<Spot>;

@@ -1,7 +1,9 @@
 //! Pictures without what nobody sees: places on straight pieces of lines, and what plotters writes again and again.
 
-use super::brush::Spot;
 use super::figure::FINE;
+
+/// A place in drawing units.
+pub(super) type Spot = (i32, i32);
 
 /// A line leaves out places that are no farther from it than this, in drawing units: a tenth of a pixel.
 const UNSEEN: f64 = 0.1 * FINE as f64;

@@ -30,6 +30,7 @@ pub(crate) use builder::{Described, Origin};
 pub(crate) use builder::{LAGRANGE, derivation};
 pub use by_hand::{StateMut, Stepping};
 pub(crate) use comparison::estimate_global_error;
+use settings::MOST_STEPS;
 #[cfg(feature = "cli")]
 pub(crate) use settings::Resumed;
 pub use settings::Settings;
@@ -286,12 +287,13 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
     Ok(Start { integration, recorder, outcome })
 }
 
-/// Refuses a step that was found and will not come to the end within the limit, if no event can end the run before.
+/// Refuses a step that was found and will not come to the end within the usual limit, if no event can end the run before.  What is computed
+/// within a limit that was asked for is returned.
 fn enough_steps(system: &dyn System, settings: &Settings, step: f64) -> Result<(), Box<Cause>> {
     let needed = (settings.until - settings.from) / step;
     let events = &system.description().events;
     let stops = events.iter().any(|event| event.actions.contains(&Action::Stop)) || settings.ends_after.is_some();
-    match needed > settings.max_steps as f64 && !stops {
+    match needed > settings.max_steps as f64 && settings.max_steps == MOST_STEPS && !stops {
         true => Err(Cause::NeedsMoreSteps { step, needed: needed.ceil(), limit: settings.max_steps }.into()),
         false => Ok(()),
     }

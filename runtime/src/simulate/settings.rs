@@ -12,6 +12,9 @@ use nalgebra::Complex;
 /// More numbers than this are not reported: they would fill the memory.
 const MOST_NUMBERS: f64 = 1e8;
 
+/// A run fails beyond so many steps unless it is told otherwise: minutes of the smallest mechanism.
+pub(super) const MOST_STEPS: u64 = 10_000_000;
+
 /// Baumgarte's α for a fixed step h is this over h: larger ones cost accuracy, smaller ones leave drift.
 const FIXED_GAIN: f64 = 0.06;
 
@@ -122,7 +125,7 @@ impl Settings {
             method: Method::Auto,
             step: None,
             longest_step: None,
-            max_steps: 10_000_000,
+            max_steps: MOST_STEPS,
             compensated: true,
             dense: true,
             watch: true,

@@ -120,7 +120,7 @@ fn incomplete_bodies_are_refused() {
         ("{mass: m, inertia: [I1, I2, I3], angle: psi, position: l*B.z}", "E435"),
         ("{mass: m, inertia: [I1, I2, I3], frame: foot, position: l*B.z}", "E224"),
         ("{mass: m, inertia: [I1, I2, I3], frame: C, position: l*B.z}", "E201"),
-        ("{mass: m, inertia: [psi, I2, I3], frame: B, position: l*B.z}", "E215"),
+        ("{mass: m, inertia: [psi, I2, I3], frame: B, position: l*B.z}", "E242"),
     ] {
         let text = with(TOP, "{mass: m, inertia: [I1, I2, I3], frame: B, position: l*B.z}", body);
         let found = codes(&text);

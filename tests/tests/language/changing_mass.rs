@@ -132,7 +132,8 @@ bodies:
     loses: {{velocity: velocity(tail) - c*(B.y*cos(tilt) - B.x*sin(tilt)), at: tail}}
 gravity: [0, -g]
 balances:
-  equations: [{{force: {{of: [hull]}}}}, {{moment: {{about: tail, of: [hull]}}}}]
+  by_moment:
+    equations: [{{force: {{of: [hull]}}}}, {{moment: {{about: tail, of: [hull]}}}}]
   by_power:
     equations: [{{force: {{of: [hull]}}}}, {{power: {{of: [hull]}}}}]
 "

@@ -8,7 +8,9 @@ use super::super::json::{number, object};
 use super::super::load::Loaded;
 use super::super::set_up::Reader;
 use super::super::{Context, Problem};
-use super::state_space::{all_inputs, input_unit, matrix};
+#[cfg(feature = "modal")]
+use super::state_space::input_unit;
+use super::state_space::{all_inputs, matrix};
 use super::trim::Trim;
 use super::{Place, Prepared, failed, prepared};
 #[cfg(feature = "modal")]
