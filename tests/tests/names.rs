@@ -3,6 +3,7 @@
 use dalembert::mechanism::{Dynamic, Interpreted, System};
 use dalembert_symbolic::lower::compile;
 use dalembert_symbolic::model::METHODS;
+use dalembert_tests::at_once::at_once;
 use dalembert_tests::both::{Drawn, assert_same};
 use std::path::Path;
 
@@ -53,9 +54,11 @@ fn compare(name: &str, text: &str, mut compiled: Box<dyn System>) {
 #[test]
 fn hostile_names_at_every_section() {
     assert_eq!(HOSTILE.len(), 15);
-    for (name, text, system) in HOSTILE {
+    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    at_once(0..HOSTILE.len() as u64, threads, |k| {
+        let (name, text, system) = HOSTILE[k as usize];
         compare(name, text, system());
-    }
+    });
 }
 
 /// `shadow.yaml`: a coordinate called `sin_theta` was hidden by `let sin_theta = …`.

@@ -77,7 +77,7 @@ fn scattered(x: u64) -> u64 {
 
 /// Φ⁻¹(p), 0 < p < 1, to some 10⁻¹⁶ of it: Wichura, *Algorithm AS 241*, Applied Statistics 37 (1988) 477, PPND16.
 ///
-/// Sums, products, quotients, roots and [`ln`] alone, so that all machines give the same bits.
+/// Sums, products, quotients, roots and `ln` alone, so that all machines give the same bits.
 fn quantile(p: f64) -> f64 {
     let q = p - 0.5;
     if q.abs() <= 0.425 {

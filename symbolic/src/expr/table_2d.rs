@@ -55,7 +55,7 @@ impl Table2d {
     ///
     /// Twice smooth it is the tensor product of natural (or periodic) cubic splines (de Boor, *Bicubic spline interpolation*, J. Math.
     /// Phys. 41 (1962) 212), and straight between points the bilinear function. Once smooth it is Hermite's bicubic with the slopes of
-    /// Fritsch and Butland along both arguments, as far as [`STEEPEST`] lets them, and twists with which each piece lies between the
+    /// Fritsch and Butland along both arguments, as far as `STEEPEST` lets them, and twists with which each piece lies between the
     /// smallest and the largest of its four values.
     pub fn new(name: &str, grid: &Grid, smooth: Smooth, periodic: [bool; 2]) -> Table2d {
         let numbers = grid.knots.iter().flatten().chain(grid.values.iter().flatten());
