@@ -13,6 +13,7 @@ use syn::{ImplItem, Item, Type};
 const FUNCTIONS: &[&str] = &[
     "description",
     "gimbals",
+    "tables_2d",
     "constants",
     "inputs",
     "mass_matrix",
@@ -46,6 +47,7 @@ const FUNCTIONS: &[&str] = &[
     "parameters",
     "parameter_mut",
     "sampling",
+    "held_noise",
     "assignments",
     "scene_memory",
     "clock_numbers",
@@ -181,7 +183,8 @@ fn judge(program: &Program) -> BTreeSet<String> {
     nested.extend(if model.contacts.is_empty() { &[] } else { &["description"; 2][..] });
     // Noise has both too, and tables of two arguments a `static`.
     nested.extend(if model.noise.is_empty() { &[] } else { &["description"; 2][..] });
-    nested.extend(rust(program, "source", "Meant").contains("fn tables_2d()").then_some("description"));
+    let tables = rust(program, "source", "Meant").contains("fn tables_2d()");
+    nested.extend(tables.then_some("description"));
     nested.extend(model.all_scenes().filter(|scene| !scene.memory.is_empty()).map(|_| "values"));
     nested.extend((!model.clocks.is_empty()).then_some("values"));
     let methods: Vec<String> =
@@ -246,6 +249,8 @@ fn judge(program: &Program) -> BTreeSet<String> {
     let meant = meant.filter(|name| **name != "gimbals" || locks);
     let stands = |name: &str| match name {
         "sampling" => held,
+        "held_noise" => !model.noise.is_empty(),
+        "tables_2d" => tables,
         "contacts" => !model.contacts.is_empty(),
         "assignments" => !program.assignments.is_empty(),
         "scene_memory" => !model.memory.is_empty(),
