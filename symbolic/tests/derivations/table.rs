@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-use dalembert_symbolic::lower::{Program, compile};
+use dalembert_symbolic::expr::{Id, Symbol};
+use dalembert_symbolic::lower::{Program, compile, operations};
 
 /// Sizes of the chain in the second table.
 const SIZES: [i64; 5] = [2, 5, 10, 20, 40];
@@ -63,7 +64,8 @@ fn lines(text: &mut String, name: &str, program: &Program) {
     let counts = program.counts;
     let n = program.model.coordinates.len();
     let total = counts.accelerations;
-    let write = counts.mass_and_bias;
+    let of_motion = program.mass.iter().map(|entry| entry.2).chain(program.bias.iter().copied());
+    let write = counts.mass_and_bias + inputs(program, of_motion);
     let parts = match program.elimination.as_ref().and_then(|found| found.order) {
         Some(_) => format!("elimination | {n} | | | "),
         None => format!("Lagrange | {n} | | {write} | {}", total.saturating_sub(write)),
@@ -72,16 +74,29 @@ fn lines(text: &mut String, name: &str, program: &Program) {
     for system in &program.momentum {
         let size = system.right.len();
         let solve = elimination(size);
-        let sum = system.operations + solve;
+        let roots = system.matrix.iter().map(|entry| entry.2).chain(system.right.iter().copied());
+        let write = system.operations + inputs(program, roots);
+        let sum = write + solve;
         let _ = writeln!(
             text,
             "| | {} | {size} | {} | {} | {solve} | {sum} | {:.1} |",
             system.name,
             system.matrix.len(),
-            system.operations,
+            write,
             sum as f64 / total.max(1) as f64
         );
     }
+}
+
+/// Operations of the inputs that these expressions read.
+fn inputs(program: &Program, roots: impl Iterator<Item = Id>) -> usize {
+    let graph = &program.model.graph;
+    let signal = |symbol: Symbol| match symbol {
+        Symbol::Input(k, order) => Some(program.signals[k as usize][usize::from(order)]),
+        _ => None,
+    };
+    let signals: Vec<Id> = graph.symbols(roots).into_iter().filter_map(signal).collect();
+    operations(graph, &signals)
 }
 
 /// Scaling of rows, elimination, and both substitutions of one right-hand side.
