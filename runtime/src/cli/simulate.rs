@@ -1,5 +1,6 @@
 //! `simulate`: runs a scene and reports.
 
+use std::collections::BTreeMap;
 use std::io::{IsTerminal, Write};
 use std::ops::ControlFlow;
 use std::sync::atomic::Ordering;
@@ -353,14 +354,16 @@ fn report(
 
 /// Events, a line each; where one happens often, its first and last times and how often.
 fn events(run: &Run, out: &mut dyn Write) -> Result<(), Problem> {
-    let mut told: Vec<&str> = Vec::new();
+    let mut all: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+    for (index, event) in run.events.iter().enumerate() {
+        all.entry(&event.name).or_default().push(index);
+    }
     for (index, event) in run.events.iter().enumerate() {
         let name: &str = &event.name;
-        let alike: Vec<usize> = (0..run.events.len()).filter(|k| *run.events[*k].name == *name).collect();
+        let alike = &all[name];
         if alike.len() <= FEW {
             writeln!(out, "  event {name} at t = {}", run.written_event(index))?;
-        } else if !told.contains(&name) {
-            told.push(name);
+        } else if alike[0] == index {
             let first: Vec<String> = alike.iter().take(FIRST).map(|k| run.written_event(*k)).collect();
             let last = alike.last().map_or_else(String::new, |k| run.written_event(*k));
             writeln!(

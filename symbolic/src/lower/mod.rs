@@ -160,8 +160,8 @@ pub struct Counts {
     pub jacobians: usize,
 }
 
-/// The functions of time that stand for the inputs, and their rates, that these roots read.
-fn read_signals(graph: &Graph, signals: &[[Id; 3]], roots: impl Iterator<Item = Id>) -> Vec<Id> {
+/// The functions of time that stand for the inputs, and their rates, that expressions read.
+pub fn read_signals(graph: &Graph, signals: &[[Id; 3]], roots: impl Iterator<Item = Id>) -> Vec<Id> {
     let signal = |symbol: Symbol| match symbol {
         Symbol::Input(k, order) => signals.get(k as usize)?.get(usize::from(order)).copied(),
         _ => None,

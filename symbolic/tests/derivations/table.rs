@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use dalembert_symbolic::expr::{Id, Symbol};
-use dalembert_symbolic::lower::{Program, compile, operations};
+use dalembert_symbolic::expr::Id;
+use dalembert_symbolic::lower::{Program, compile, operations, read_signals};
 
 /// Sizes of the chain in the second table.
 const SIZES: [i64; 5] = [2, 5, 10, 20, 40];
@@ -91,12 +91,7 @@ fn lines(text: &mut String, name: &str, program: &Program) {
 /// Operations of the inputs that these expressions read.
 fn inputs(program: &Program, roots: impl Iterator<Item = Id>) -> usize {
     let graph = &program.model.graph;
-    let signal = |symbol: Symbol| match symbol {
-        Symbol::Input(k, order) => Some(program.signals[k as usize][usize::from(order)]),
-        _ => None,
-    };
-    let signals: Vec<Id> = graph.symbols(roots).into_iter().filter_map(signal).collect();
-    operations(graph, &signals)
+    operations(graph, &read_signals(graph, &program.signals, roots))
 }
 
 /// Scaling of rows, elimination, and both substitutions of one right-hand side.

@@ -55,18 +55,14 @@ impl Trim {
 
     /// `trimmed with theta = 0.3 held: T = 9.55336489126 N m (1 step from T = 0)`.
     pub fn table(&self, name: &str, out: &mut dyn Write) -> Result<(), Problem> {
-        let equal = |name: &str, value: f64, unit: &str| {
-            let space = if matches!(unit, "" | "1") { "" } else { " " };
-            format!("{name} = {}{space}{}", digits(value, 0.0), if unit == "1" { "" } else { unit })
-        };
-        let held: Vec<String> = self.held.iter().map(|(name, value)| equal(name, *value, "")).collect();
+        let held: Vec<String> =
+            self.held.iter().map(|(name, value)| format!("{name} = {}", digits(*value, 0.0))).collect();
         writeln!(out, "{name}: trimmed with {} held", held.join(", "))?;
         for (found, unit) in &self.found {
             let TrimmedValue { name, from, value, uncertainty, .. } = found;
-            let value = digits(*value, *uncertainty);
-            let space = if matches!(unit.as_str(), "" | "1") { "" } else { " " };
-            let unit = if unit == "1" { "" } else { unit };
-            writeln!(out, "  {name} = {value}{space}{unit}, sought from {}", digits(*from, 0.0))?;
+            let unit = if matches!(unit.as_str(), "" | "1") { String::new() } else { format!(" {unit}") };
+            let (value, from) = (digits(*value, *uncertainty), digits(*from, 0.0));
+            writeln!(out, "  {name} = {value}{unit}, sought from {from}")?;
         }
         // One step is what equations take that are linear in all that is sought.
         if self.iterations > 1 {
@@ -146,12 +142,7 @@ fn unknowns(
             let value = reader.value(loaded, "solve", sets, value)?;
             match found {
                 Unknown::Input(k) => guess.inputs[k] = value,
-                Unknown::Parameter(k) => loaded.system.set_parameter(k, value),
-                Unknown::Memory(k) => {
-                    let mut memory = loaded.system.memory().to_vec();
-                    memory[k] = value;
-                    loaded.system.set_memory(&memory);
-                }
+                other => other.give(&mut *loaded.system, value),
             }
         }
         unknowns.push(found);

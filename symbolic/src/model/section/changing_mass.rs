@@ -5,11 +5,11 @@ use super::ends::End;
 use super::loads::{AttachedTo, Draft, DraftPush, Drafts};
 use crate::derive::changing_mass::changes;
 use crate::diagnose::Place;
-use crate::diagnose::catalogue::mechanics;
-use crate::diagnose::catalogue::sections;
-use crate::expr::{Id, Node, Symbol, Unary, vectors};
+use crate::diagnose::catalogue::{mechanics, sections};
+use crate::expr::{Graph, Id, Node, Symbol, Unary, vectors};
 use crate::file::{Spot, Written};
 use crate::model::expression::dimension::Dimension;
+use crate::model::expression::families::Locals;
 use crate::model::expression::rules::Rules;
 use crate::model::resolved::Work;
 use crate::model::resolver::Resolver;
@@ -91,13 +91,7 @@ impl Resolver<'_> {
         }
     }
 
-    fn exchange_end(
-        &mut self,
-        body: usize,
-        exchange: &Exchange,
-        locals: &crate::model::expression::families::Locals,
-        drafts: &mut Drafts,
-    ) -> Option<End> {
+    fn exchange_end(&mut self, body: usize, exchange: &Exchange, locals: &Locals, drafts: &mut Drafts) -> Option<End> {
         let centre = self.centre(body)?;
         let Some(at) = &exchange.at else { return Some(End { attached: AttachedTo::Body(body), at: centre }) };
         let point = self.vector(at, Rules::position("a point").si(Dimension::LENGTH), locals)?;
@@ -118,7 +112,7 @@ impl Resolver<'_> {
 }
 
 /// Whether an expression has steps, of which no rate tells.
-fn jumps(graph: &crate::expr::Graph, value: Id) -> bool {
+fn jumps(graph: &Graph, value: Id) -> bool {
     let steps = |id: &Id| matches!(graph.node(*id), Node::Unary(Unary::Sign | Unary::Step, _));
     graph.needed([value]).iter().any(steps)
 }
