@@ -213,7 +213,7 @@ pub enum Cause {
         /// What stands in the way.
         reason: NoSeries,
     },
-    /// Steps of the length that the tolerance wants are more to the end than `max_steps`, as is known before the first.
+    /// Steps of the length that the tolerance wants are more to the end than `max_steps` at its usual value, as is known before the first.
     NeedsMoreSteps {
         /// Their length, s.
         step: f64,
