@@ -23,7 +23,7 @@ impl HeldMasses {
         for body in &mut dynamics.bodies {
             let moments = body.rotation.iter_mut().flat_map(|rotation| rotation.inertias_mut());
             for value in std::iter::once(&mut body.mass).chain(moments) {
-                if graph.symbols([*value]).into_iter().any(changes) {
+                if graph.symbols([*value]).into_iter().any(Symbol::may_change) {
                     let symbol = Symbol::Dummy(held.values.len() as u32);
                     held.values.insert(symbol, *value);
                     held.rates.insert(symbol, rates(graph, &[*value])[0]);
@@ -52,9 +52,4 @@ impl HeldMasses {
         let values = substitute(graph, &held, &self.values);
         places.into_iter().zip(values).for_each(|(place, value)| *place = value);
     }
-}
-
-/// Whether a mass that contains this symbol changes along the motion.
-pub(crate) fn changes(symbol: Symbol) -> bool {
-    !matches!(symbol, Symbol::Parameter(_))
 }

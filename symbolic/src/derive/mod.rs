@@ -14,7 +14,7 @@
 //! Every derivation gives the same [`Equations`]; `gate` compares them, `lower` picks the cheapest.
 
 pub(crate) mod branches;
-pub(crate) mod changing_mass;
+mod changing_mass;
 mod combined;
 mod constraints;
 mod hidden;

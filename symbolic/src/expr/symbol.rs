@@ -44,4 +44,9 @@ impl Symbol {
             _ => None,
         }
     }
+
+    /// Whether what contains this symbol may change along a motion: it is no parameter.
+    pub fn may_change(self) -> bool {
+        !matches!(self, Symbol::Parameter(_))
+    }
 }

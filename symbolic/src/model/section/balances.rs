@@ -6,7 +6,6 @@
 use std::collections::BTreeMap;
 
 use super::reactions::Unknown;
-use crate::derive::changing_mass::changes;
 use crate::diagnose::catalogue::{mechanics, sections};
 use crate::expr::{Id, Symbol, partial, vectors};
 use crate::file::{Node, Spot, Text};
@@ -308,7 +307,7 @@ impl<'a> Resolver<'a> {
         let symbols = self.builder.graph.symbols([energies.kinetic, energies.potential]);
         let masses = self.builder.graph.symbols(self.model.bodies.iter().map(|body| body.mass));
         let of_time = |s: &Symbol| matches!(s, Symbol::Time | Symbol::Input(..) | Symbol::State(_));
-        if symbols.iter().any(of_time) || masses.into_iter().any(changes) {
+        if symbols.iter().any(of_time) || masses.into_iter().any(Symbol::may_change) {
             self.builder.problems.push(mechanics::energy_with_time(spot.place.of_key()));
             return None;
         }

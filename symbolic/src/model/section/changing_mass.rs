@@ -3,7 +3,6 @@
 use super::declare::DeclaredBody;
 use super::ends::End;
 use super::loads::{AttachedTo, Draft, DraftPush, Drafts};
-use crate::derive::changing_mass::changes;
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{mechanics, sections};
 use crate::expr::{Graph, Id, Node, Symbol, Unary, vectors};
@@ -49,8 +48,8 @@ impl Resolver<'_> {
             let graph = &self.builder.graph;
             let (of_mass, moments) = (graph.symbols([body.mass]), body.rotation.iter().flat_map(|r| r.inertias()));
             let of_inertia = graph.symbols(moments.copied());
-            let turns_otherwise = of_inertia.iter().any(|s| changes(*s));
-            let changing = of_mass.iter().any(|s| changes(*s));
+            let turns_otherwise = of_inertia.iter().any(|s| s.may_change());
+            let changing = of_mass.iter().any(|s| s.may_change());
             let by_place = of_mass.iter().any(|s| matches!(s, Symbol::Coordinate(_)));
             let first = text.inertia.iter().flatten().next().filter(|_| !by_place && turns_otherwise);
             let written = first.or(text.mass.as_ref()).map(|written| &written.text);
