@@ -146,7 +146,8 @@ mod tests {
             let text = std::fs::read_to_string(&file).unwrap();
             let program = lower::compile_in(Some(&folder), &text, &[]).unwrap();
             let name = print::type_name(&program.model.name);
-            let generated = print::source_file(&program, &text, &name, "dalembert generate\nfn hidden() {}");
+            let generated =
+                print::source_file(&program, &text, &name, print::Purpose::Runs, "dalembert generate\nfn hidden() {}");
             let generated = generated.parse::<TokenStream>().unwrap().to_string();
             assert!(generated.len() > 1000 && expanded.ends_with(&generated), "{path}");
         }

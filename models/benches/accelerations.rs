@@ -6,7 +6,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use dalembert::mechanism::Mechanism;
+use dalembert::mechanism::Equations;
 
 dalembert::model!("chain.yaml", n = 1, name = Chain1);
 dalembert::model!("chain.yaml", n = 2, name = Chain2);

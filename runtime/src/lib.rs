@@ -43,21 +43,6 @@
 //! - [`mechanism`]: the traits that generated code implements, for code of your own over any mechanism.
 //! - [`show`]: charts, tables and animations.
 
-/// Accepts code that was generated for this version of the library, which calls it; it is bumped with `FORMAT` of the printer whenever
-/// what generated code implements or calls changes.
-#[doc(hidden)]
-#[macro_export]
-macro_rules! generated_for {
-    (2) => {};
-    ($format:literal) => {
-        ::core::compile_error!(::core::concat!(
-            "this code was generated for format ",
-            $format,
-            " of dalembert, and this version of the library reads format 2: write it again by this version's `dalembert generate`"
-        ));
-    };
-}
-
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
@@ -97,6 +82,8 @@ pub use cause::{Cause, GimbalLock, NoSeries};
 pub use constrain::Residuals;
 #[cfg(feature = "macros")]
 pub use dalembert_macros::model;
+#[doc(hidden)]
+pub use dalembert_mechanism::generated_for;
 pub use error::{Error, Inseparable, NoOrbit, NoSlopes, Nonlinear, NotFound};
 pub use mechanism::{Enforcement, Method, ParseMethodError, Stabilisation};
 pub use run::{ContactHistory, Digits, Failure, Impulse, Occurrence, Run, RunPart, State, Symmetry, Trust, Work};

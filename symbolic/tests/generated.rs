@@ -9,8 +9,8 @@ use std::path::Path;
 use syn::visit::{self, Visit};
 use syn::{ImplItem, Item, Type};
 
-/// The functions of `Mechanism`, in the order of the trait's implementation.
-const FUNCTIONS: &[&str] = &[
+/// The functions of `Equations`, in the order in which they are printed.
+const EQUATIONS: &[&str] = &[
     "description",
     "gimbals",
     "tables_2d",
@@ -44,14 +44,18 @@ const FUNCTIONS: &[&str] = &[
     "part_accelerations",
     "part_energy",
     "balances",
-    "parameters",
-    "parameter_mut",
     "sampling",
     "held_noise",
     "assignments",
+    "contacts",
+];
+
+/// And of `Mechanism`.
+const RUNS: &[&str] = &[
+    "parameters",
+    "parameter_mut",
     "scene_memory",
     "clock_numbers",
-    "contacts",
     "scene_parameters",
     "scene_numbers",
     "scene",
@@ -168,7 +172,7 @@ impl<'ast> Visit<'ast> for Judge {
     }
 }
 
-/// The type, its default, its derived parameters and its `Mechanism`, in this order, with the members that were meant.
+/// The type, its default, its `Equations`, its `Mechanism` and its derived parameters, in this order, with the members that were meant.
 fn judge(program: &Program) -> BTreeSet<String> {
     let model = &program.model;
     let file = printed(program, "Meant");
@@ -240,14 +244,12 @@ fn judge(program: &Program) -> BTreeSet<String> {
         _ => panic!("{}: an item that is no impl", model.name),
     });
     assert_eq!(blocks.next(), Some(("Default".to_owned(), vec!["default".to_owned()])));
-    if !methods.is_empty() {
-        assert_eq!(blocks.next(), Some((String::new(), methods)));
-    }
-    let (of, functions) = blocks.next().expect("an implementation");
-    let of_parts = |name: &str| name.starts_with("part_");
-    let meant = FUNCTIONS.iter().filter(|name| !of_parts(name) || !program.parts.is_empty());
-    let meant = meant.filter(|name| **name != "gimbals" || locks);
+    let timed = program.frequencies.as_ref().is_none_or(|list| !list.is_empty());
     let stands = |name: &str| match name {
+        "part_accelerations" | "part_energy" => !program.parts.is_empty(),
+        "gimbals" => locks,
+        "frequencies" => timed,
+        "motions" | "motion_numbers" => !model.motions.is_empty(),
         "sampling" => held,
         "held_noise" => !model.noise.is_empty(),
         "tables_2d" => tables,
@@ -257,11 +259,13 @@ fn judge(program: &Program) -> BTreeSet<String> {
         "clock_numbers" => !model.clocks.is_empty(),
         _ => true,
     };
-    let meant = meant.filter(|name| stands(name));
-    let timed = program.frequencies.as_ref().is_none_or(|list| !list.is_empty());
-    let meant = meant.filter(|name| **name != "frequencies" || timed);
-    let meant = meant.filter(|name| !name.starts_with("motion") || !model.motions.is_empty());
-    assert_eq!((of.as_str(), functions), ("Mechanism", meant.map(|s| (*s).to_owned()).collect()));
+    for (of, names) in [("Equations", EQUATIONS), ("Mechanism", RUNS)] {
+        let meant = names.iter().filter(|name| stands(name)).map(|name| (*name).to_owned()).collect();
+        assert_eq!(blocks.next(), Some((of.to_owned(), meant)));
+    }
+    if !methods.is_empty() {
+        assert_eq!(blocks.next(), Some((String::new(), methods)));
+    }
     assert_eq!(blocks.next(), None);
     let mut bound = judge.bound;
     // And their sines and cosines.

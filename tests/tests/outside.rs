@@ -1,4 +1,5 @@
-//! Strangers' crates build against dalembert and run: one with the macro, one with generated code that is checked in.
+//! Strangers' crates build against dalembert and run: one with the macro, one with generated code that is checked in, one with such code and
+//! without the standard library.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -84,10 +85,66 @@ fn code_of_another_format_is_refused_by_the_compiler_in_words() {
         fs::write(other.join(file), text.replace(from, to)).expect("a file");
     };
     changed("Cargo.toml", "../../runtime", runtime.to_str().expect("a path"));
-    changed("src/double_pendulum.rs", "generated_for!(2)", "generated_for!(0)");
+    changed("src/double_pendulum.rs", "generated_for!(3)", "generated_for!(0)");
     let (_, said) = told(&cargo(&["build", "--quiet"], &other));
     assert!(said.contains("this code was generated for format 0 of dalembert"), "{said}");
     assert!(said.contains("write it again by this version's `dalembert generate`"), "{said}");
+}
+
+dalembert::model!("outside-nostd/cart.yaml");
+
+#[test]
+fn without_the_standard_library_a_loop_runs_as_in_the_library() {
+    let controller = folder("outside-nostd");
+    let (printed, said) = told(&cargo(&["run", "--quiet", "--example", "closed_loop"], &controller));
+    assert_eq!(said, "", "the code compiles without a warning");
+    let numbers = |line: &str| line.split(' ').map(|x| x.parse().expect("a number")).collect::<Vec<f64>>();
+    let ticks: Vec<Vec<f64>> = printed.lines().map(numbers).collect();
+    assert_eq!(ticks.len(), 1001);
+    // In single precision as in double.
+    let apart = |tick: &Vec<f64>| (1..4).map(|k| (tick[k] - tick[k + 4]).abs()).fold(0.0, f64::max);
+    assert!(ticks.iter().map(apart).fold(0.0, f64::max) < 1e-6);
+    assert!(ticks[1000][1..4].iter().all(|x| x.abs() < 1e-4), "upright: {:?}", ticks[1000]);
+    // With the same forces, for half a second, in which the rods that nobody holds would fall.
+    let mut run = Cart::default().simulate().by_hand().expect("a start");
+    for tick in &ticks[..100] {
+        let state = run.state();
+        for (place, name) in ["x", "theta1", "theta2"].into_iter().enumerate() {
+            assert!((state[name] - tick[5 + place]).abs() < 1e-8, "{name}, {tick:?}");
+        }
+        run.set_input("push", tick[8]).expect("an input");
+        run.advance(0.005).expect("a step");
+    }
+    let (model, code) = (controller.join("cart.yaml"), controller.join("src/cart.rs"));
+    let paths = [&model, &code].map(|path| path.to_str().expect("a path"));
+    let check = ["dalembert", "generate", paths[0], "--no-std", "-o", paths[1], "--check"];
+    dalembert::cli::run(MODELS, check, &mut Vec::new()).expect("the code of the model");
+}
+
+/// Where the microcontroller's own library is not installed this says so and passes; in CI, where the variable `CI` is set, it fails.
+#[test]
+fn a_microcontroller_gets_a_controller_of_some_kilobytes() {
+    let target = "thumbv7em-none-eabihf";
+    let build = ["build", "--quiet", "--release", "--features", "firmware", "--bin", "firmware", "--target", target];
+    let (_, said) = told(&cargo(&build, &folder("outside-nostd")));
+    if said.contains("can't find crate for `core`") && std::env::var_os("CI").is_none() {
+        println!("not run: rustup target add {target}");
+        return;
+    }
+    assert_eq!(said, "");
+    let program = fs::read(self::target().join(target).join("release/firmware")).expect("a program");
+    let size = loaded(&program);
+    println!("{size} bytes of code and constants");
+    assert!((4_000..16_000).contains(&size), "{size} bytes");
+}
+
+/// How many bytes of a program of 32 bits are loaded: its segments of type 1 (System V ABI, chapter 5: program header).
+fn loaded(program: &[u8]) -> usize {
+    let number = |at: usize, bytes: usize| program[at..at + bytes].iter().rev().fold(0, |n, byte| n << 8 | *byte as usize);
+    assert_eq!(&program[..5], b"\x7fELF\x01");
+    let (first, size, count) = (number(28, 4), number(42, 2), number(44, 2));
+    let segments = (0..count).map(|k| first + k * size).filter(|at| number(*at, 4) == 1);
+    segments.map(|at| number(at + 20, 4)).sum()
 }
 
 /// A folder beside this test's own target folder, so that a second run finds what the first built.

@@ -125,6 +125,10 @@ fn generate() -> Command {
                 .help("What Taylor's method needs too"),
         )
         .arg(
+            flag("no-std", "Equations alone, which allocate nothing, for the crate dalembert-mechanism without std")
+                .conflicts_with("methods"),
+        )
+        .arg(
             flag(
                 "check",
                 "Write nothing: fail where the file is not the model's code, and tell the first line that differs",
@@ -142,7 +146,11 @@ In the crate that has the file as src/swing.rs:
   mod swing;
 
 and in its Cargo.toml `dalembert = { version = \"…\", default-features = false }`. Where the code was generated for another
-version of dalembert than that, the compiler says so.";
+version of dalembert than that, the compiler says so.
+
+On a microcontroller, with --no-std:
+
+  dalembert = { package = \"dalembert-mechanism\", version = \"…\", default-features = false, features = [\"libm\"] }";
 
 fn import() -> Command {
     Command::new("import")

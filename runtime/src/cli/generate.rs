@@ -3,8 +3,8 @@
 use std::io::Write;
 
 use clap::ArgMatches;
-use dalembert_symbolic::lower::Program;
 use dalembert_symbolic::model::KEYWORDS;
+use dalembert_symbolic::print::Purpose;
 use dalembert_symbolic::{file, print};
 
 use super::load::{ModelFile, derived, sizes};
@@ -26,7 +26,9 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     eprint!("{}", file::render(&model.path, &model.source, &program.model.warnings));
     let program = if text("methods").is_some() { program.with_series() } else { program };
     let command = command(options, asked, path);
-    let code = code(&program, &model.source, name, &command);
+    let own = print::type_name(&program.model.name);
+    let purpose = if options.get_flag("no-std") { Purpose::NoStd } else { Purpose::Runs };
+    let code = print::source_file(&program, &model.source, name.unwrap_or(&own), purpose, &command);
     if !options.get_flag("check") {
         outputs::put(options, &["rs"], &model.path, code.as_bytes(), out)?;
         return if path == "-" {
@@ -44,11 +46,6 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
              to renew it: {command}"
         ))),
     }
-}
-
-fn code(program: &Program, source: &str, name: Option<&str>, command: &str) -> String {
-    let own = print::type_name(&program.model.name);
-    print::source_file(program, source, name.unwrap_or(&own), command)
 }
 
 /// A name that a type can have.
@@ -71,6 +68,7 @@ fn command(options: &ArgMatches, asked: &str, path: &str) -> String {
         let given = options.get_many::<String>(option).into_iter().flatten();
         words.extend(given.flat_map(|value| [format!("--{option}"), value.clone()]));
     }
+    words.extend(options.get_flag("no-std").then(|| "--no-std".to_owned()));
     if path != "-" {
         words.extend(["-o".to_owned(), path.to_owned()]);
     }

@@ -1,6 +1,6 @@
 //! Numbers side by side.
 
-use wide::{f64x4, f64x8};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::sine;
 use crate::mechanism::Real;
@@ -13,9 +13,50 @@ pub trait Lanes: Real + 'static {}
 
 impl Lanes for f64 {}
 
+/// Operations of two registers, lane by lane.
+macro_rules! operations {
+    ($lanes:ident: $($trait:ident::$name:ident),*) => {$(
+        impl $trait for $lanes {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $name(self, other: Self) -> Self {
+                Self(self.0.$name(other.0))
+            }
+        }
+    )*};
+}
+
 macro_rules! lanes {
     ($lanes:ident, $count:literal) => {
+        #[doc = concat!($count, " numbers in one SIMD register.")]
+        #[derive(Clone, Copy, Debug)]
+        #[expect(non_camel_case_types, reason = "as the primitive types are called")]
+        pub struct $lanes(wide::$lanes);
+
+        impl $lanes {
+            /// One number a lane.
+            pub fn new(numbers: [f64; $count]) -> Self {
+                Self(wide::$lanes::new(numbers))
+            }
+            /// The numbers of all lanes.
+            pub fn to_array(self) -> [f64; $count] {
+                self.0.to_array()
+            }
+        }
+
         impl Lanes for $lanes {}
+
+        operations! { $lanes: Add::add, Sub::sub, Mul::mul, Div::div }
+
+        impl Neg for $lanes {
+            type Output = Self;
+
+            #[inline(always)]
+            fn neg(self) -> Self {
+                Self(-self.0)
+            }
+        }
 
         impl Real for $lanes {
             const LANES: usize = $count;
@@ -30,81 +71,81 @@ macro_rules! lanes {
             }
             #[inline]
             fn ratio(n: f64, d: f64) -> Self {
-                Self::splat(n / d)
+                Self(wide::$lanes::splat(n / d))
             }
             #[inline]
             fn sqrt(self) -> Self {
-                self.sqrt()
+                Self(self.0.sqrt())
             }
             // Inlined always: sines of several angles wait for each other otherwise.
             #[inline(always)]
             fn sin_cos(self) -> (Self, Self) {
                 let both = sine::sin_cos(self);
-                if self.abs().simd_le(Self::splat(sine::LARGEST)).all() {
+                if self.0.abs().simd_le(wide::$lanes::splat(sine::LARGEST)).all() {
                     return both;
                 }
                 let (sine, cosine) = far_sin_cos(self.to_array(), (both.0.to_array(), both.1.to_array()));
-                (sine.into(), cosine.into())
+                (Self::new(sine), Self::new(cosine))
             }
             #[inline]
             fn tan(self) -> Self {
-                each(self.to_array(), f64::tan).into()
+                Self::new(each(self.to_array(), f64::tan))
             }
             #[inline]
             fn asin(self) -> Self {
-                each(self.to_array(), f64::asin).into()
+                Self::new(each(self.to_array(), f64::asin))
             }
             #[inline]
             fn acos(self) -> Self {
-                each(self.to_array(), f64::acos).into()
+                Self::new(each(self.to_array(), f64::acos))
             }
             #[inline]
             fn atan(self) -> Self {
-                each(self.to_array(), f64::atan).into()
+                Self::new(each(self.to_array(), f64::atan))
             }
             #[inline]
             fn atan2(self, x: Self) -> Self {
-                both(self.to_array(), x.to_array(), f64::atan2).into()
+                Self::new(both(self.to_array(), x.to_array(), f64::atan2))
             }
             #[inline]
             fn sinh(self) -> Self {
-                each(self.to_array(), f64::sinh).into()
+                Self::new(each(self.to_array(), f64::sinh))
             }
             #[inline]
             fn cosh(self) -> Self {
-                each(self.to_array(), f64::cosh).into()
+                Self::new(each(self.to_array(), f64::cosh))
             }
             #[inline]
             fn tanh(self) -> Self {
-                each(self.to_array(), f64::tanh).into()
+                Self::new(each(self.to_array(), f64::tanh))
             }
             #[inline]
             fn exp(self) -> Self {
-                each(self.to_array(), f64::exp).into()
+                Self::new(each(self.to_array(), f64::exp))
             }
             #[inline]
             fn ln(self) -> Self {
-                each(self.to_array(), f64::ln).into()
+                Self::new(each(self.to_array(), f64::ln))
             }
             #[inline]
             fn powf(self, y: Self) -> Self {
-                both(self.to_array(), y.to_array(), f64::powf).into()
+                Self::new(both(self.to_array(), y.to_array(), f64::powf))
             }
             #[inline]
             fn select_nonnegative(self, yes: Self, no: Self) -> Self {
-                self.simd_ge(Self::splat(0.0)).select(yes, no)
+                Self(self.0.simd_ge(wide::$lanes::splat(0.0)).select(yes.0, no.0))
             }
             #[inline]
             fn exceeds(self, floor: Self) -> bool {
-                self.simd_gt(floor).all()
+                self.0.simd_gt(floor.0).all()
             }
             #[inline]
             fn pivot_floor() -> Self {
-                Self::splat(f64::pivot_floor())
+                Self::from_f64(f64::pivot_floor())
             }
             #[inline]
             fn abs(self) -> Self {
-                self.abs()
+                Self(self.0.abs())
             }
         }
     };
@@ -155,7 +196,7 @@ mod tests {
                 3 => std::f64::consts::FRAC_PI_2 * f64::from(k - 100_000),
                 _ => 1e-9 / f64::from(k),
             };
-            let (sine, cosine) = Real::sin_cos(f64x8::splat(x));
+            let (sine, cosine) = Real::sin_cos(f64x8::from_f64(x));
             worst = worst.max(places(sine.lane(k as usize % 8), x.sin())).max(places(cosine.lane(0), x.cos()));
         }
         assert!(worst <= 1.0, "{worst} units in the last place");
@@ -166,7 +207,7 @@ mod tests {
         let all = [1e300, f64::NAN, -0.0, 0.5, f64::INFINITY, -2e6, 3.0, 1e-320];
         let (sine, cosine) = Real::sin_cos(f64x8::new(all));
         for (index, x) in all.into_iter().enumerate() {
-            let alone = Real::sin_cos(f64x8::splat(x));
+            let alone = Real::sin_cos(f64x8::from_f64(x));
             assert_eq!(sine.lane(index).to_bits(), alone.0.lane(0).to_bits(), "sin {x}");
             assert_eq!(cosine.lane(index).to_bits(), alone.1.lane(0).to_bits(), "cos {x}");
         }
@@ -176,8 +217,8 @@ mod tests {
     #[test]
     fn selections_follow_each_lane() {
         let x = f64x4::new([-1.0, 0.0, 2.0, f64::NAN]);
-        let chosen = x.select_nonnegative(f64x4::splat(1.0), f64x4::splat(-1.0));
+        let chosen = x.select_nonnegative(f64x4::from_f64(1.0), f64x4::from_f64(-1.0));
         assert_eq!(chosen.to_array(), [-1.0, 1.0, 1.0, -1.0]);
-        assert!(!f64x4::splat(1.0).exceeds(x) && f64x4::splat(1.0).exceeds(f64x4::splat(0.5)));
+        assert!(!f64x4::from_f64(1.0).exceeds(x) && f64x4::from_f64(1.0).exceeds(f64x4::from_f64(0.5)));
     }
 }

@@ -48,10 +48,9 @@ mod sine;
 use std::sync::Arc;
 
 use rayon::prelude::*;
-pub use wide::{f64x4, f64x8};
 
 use attempt::Rkn8;
-pub use lanes::Lanes;
+pub use lanes::{Lanes, f64x4, f64x8};
 use pack::Task;
 
 use crate::error::Error;

@@ -3,7 +3,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::noise::normal;
+use super::normal;
 use super::{Real, Table, Table2d};
 
 /// x + x' ε with ε² = 0: a value and its derivative in one direction (Griewank and Walther, Evaluating Derivatives,

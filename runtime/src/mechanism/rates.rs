@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::description::SwitchKind;
+use super::SwitchKind;
 use super::slopes::AccelerationSlopes;
 use super::{At, Singular, System};
 

@@ -1,14 +1,7 @@
 //! Where there are no accelerations.
 
-use super::Description;
+use super::{Description, SingularMass};
 use crate::cause::Cause;
-
-/// M has no inverse: this coordinate's pivot vanishes to rounding, or is not finite.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SingularMass {
-    /// Index of the coordinate.
-    pub coordinate: usize,
-}
 
 /// There are no accelerations at a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! The object-safe face of a mechanism, on slices: everything downstream is written once over it.
 
-use super::contacts::NONE;
-use super::sampling::NOTHING;
+use super::NO_CONTACTS;
+use super::NO_SAMPLING;
 use super::{
     At, Contacts, Description, Energy, Enforcement, Gimbal, Motion, MotionNumbers, Noise, RowHistory, Sampling, Scene,
     Series, Singular,
@@ -33,7 +33,7 @@ pub trait System: Send + Sync {
 
     /// What is held between events, what sets it, and when.
     fn sampling(&self) -> &Sampling {
-        &NOTHING
+        &NO_SAMPLING
     }
 
     /// Held noise.
@@ -43,7 +43,7 @@ pub trait System: Send + Sync {
 
     /// Friction that may stick and contacts that may open.
     fn contacts(&self) -> &Contacts {
-        &NONE
+        &NO_CONTACTS
     }
 
     /// The held values, in the order of `sampling().memory`.

@@ -3,7 +3,7 @@
 /// A float as Rust text: a well-known constant by its name, any other by its shortest digits.
 pub(super) fn float(x: f64) -> String {
     match CONSTANTS.iter().find(|(_, value)| *value == x.abs()) {
-        Some((name, _)) => format!("{}::std::f64::consts::{name}", if x < 0.0 { "-" } else { "" }),
+        Some((name, _)) => format!("{}::core::f64::consts::{name}", if x < 0.0 { "-" } else { "" }),
         None => format!("{x:?}"),
     }
 }

@@ -1,4 +1,4 @@
-//! The implementation of `Mechanism`, function by function.
+//! The implementations of `Equations` and `Mechanism`, function by function.
 
 use std::fmt::Write;
 
@@ -26,15 +26,17 @@ pub(super) struct Mechanism<'a> {
     pub constants: &'a [Id],
     /// The size of that block.
     pub block: usize,
+    /// Whether there is a heap.
+    pub allocates: bool,
 }
 
 impl Mechanism<'_> {
-    /// `impl Mechanism for NAME { … }`.
-    pub fn text(&self, source: &str, name: &str) -> String {
+    /// `impl Equations for NAME { … }`.
+    pub fn equations(&self, source: &str, name: &str) -> String {
         let program = self.program;
         let (n, rows) = (program.model.coordinates.len(), program.constraints.len());
         let mut out = format!(
-            "{UNJUDGED}impl ::dalembert::mechanism::Mechanism<{n}, {rows}> for {name} {{
+            "{UNJUDGED}impl ::dalembert::mechanism::Equations<{n}, {rows}> for {name} {{
     type Constants<S: ::dalembert::mechanism::Real> = [S; {}];
     type Inputs<S: ::dalembert::mechanism::Real> = [S; {}];
     type Balances = [f64; {}];
@@ -76,9 +78,18 @@ impl Mechanism<'_> {
         out += &self.accelerations(n).text(&self.bodies, "    ");
         out += &parts::parts(program, &self.bodies);
         out += &momentum::balances(program, &self.bodies, self.block);
-        out += &self.parameters();
-        out += &memory::memory(program, &self.bodies, &self.unhoisted);
+        out += &memory::memory(program, &self.bodies);
         out += &contacts::contacts(program);
+        out + "}\n"
+    }
+
+    /// `impl Mechanism for NAME { … }`, which allocates.
+    pub fn runs(&self, name: &str) -> String {
+        let program = self.program;
+        let (n, rows) = (program.model.coordinates.len(), program.constraints.len());
+        let mut out = format!("\n{UNJUDGED}impl ::dalembert::mechanism::Mechanism<{n}, {rows}> for {name} {{\n");
+        out += self.parameters().trim_start_matches('\n');
+        out += &memory::starts(program, &self.unhoisted);
         out += &scenes::scenes(program, &self.unhoisted);
         out += &motions::motions(program, &self.unhoisted);
         out + "}\n"
@@ -212,7 +223,7 @@ impl Mechanism<'_> {
             Accelerations::Loop => {
                 let size = n * (n + 1) / 2;
                 // Large ones would not fit on a thread's stack; beside n³ operations an allocation is nothing.
-                let heap = if size > STACK_LIMIT { "::std::vec!" } else { "" };
+                let heap = if self.allocates && size > STACK_LIMIT { "::std::vec!" } else { "" };
                 function.before = format!("let mut packed = {heap}[S::ratio(0.0, 1.0); {size}];");
                 let place = |i: usize, j: usize| i * (i + 1) / 2 + j;
                 let mass = program.mass.iter().map(|(i, j, m)| Use::Store(format!("packed[{}]", place(*i, *j)), *m));
@@ -247,7 +258,7 @@ fn gimbals(model: &Model) -> String {
     let entry = |gimbal: &Gimbal| {
         let [first, middle, last] = gimbal.coordinates;
         format!(
-            "            ::dalembert::mechanism::Gimbal {{ frame: ::std::borrow::Cow::Borrowed({:?}), coordinates: [{first}, {middle}, {last}], amplitude: {}, factor: {}, phase: {} }},\n",
+            "            ::dalembert::mechanism::Gimbal {{ frame: ::dalembert::mechanism::Text::Borrowed({:?}), coordinates: [{first}, {middle}, {last}], amplitude: {}, factor: {}, phase: {} }},\n",
             gimbal.frame,
             float(gimbal.amplitude),
             float(gimbal.factor),
@@ -265,7 +276,7 @@ fn gimbals(model: &Model) -> String {
 
 /// `fn tables_2d() -> …`; that of the trait serves where there are none.
 fn tables_2d(program: &Program) -> String {
-    let borrowed = |entries: Vec<String>| format!("::std::borrow::Cow::Borrowed(&[{}])", entries.join(", "));
+    let borrowed = |entries: Vec<String>| format!("::dalembert::mechanism::List::Borrowed(&[{}])", entries.join(", "));
     let floats = |numbers: &[f64]| numbers.iter().map(|x| float(*x)).collect::<Vec<_>>();
     let period = |period: Option<f64>| match period {
         None => "::core::option::Option::None".to_owned(),
@@ -274,7 +285,7 @@ fn tables_2d(program: &Program) -> String {
     let entry = |table: Table2d| {
         let rows = |piece: &[[f64; 4]; 4]| piece.map(|row| format!("[{}]", floats(&row).join(", "))).join(", ");
         format!(
-            "            ::dalembert::mechanism::Table2d {{ name: ::std::borrow::Cow::Borrowed({:?}), knots: [{}], pieces: {}, periods: [{}] }},\n",
+            "            ::dalembert::mechanism::Table2d {{ name: ::dalembert::mechanism::Text::Borrowed({:?}), knots: [{}], pieces: {}, periods: [{}] }},\n",
             table.name(),
             table.knots().each_ref().map(|knots| borrowed(floats(knots))).join(", "),
             borrowed(table.pieces().iter().map(|piece| format!("[{}]", rows(piece))).collect()),

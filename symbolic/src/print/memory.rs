@@ -17,8 +17,8 @@ pub(super) fn size(program: &Program) -> String {
     }
 }
 
-/// `sampling`, `assignments`, `scene_memory` and `clock_numbers`; those of the trait serve where nothing is held, set or sampled.
-pub(super) fn memory(program: &Program, bodies: &Bodies<'_>, unhoisted: &Bodies<'_>) -> String {
+/// `sampling`, `held_noise` and `assignments`; those of the trait serve where nothing is held, set or sampled.
+pub(super) fn memory(program: &Program, bodies: &Bodies<'_>) -> String {
     let model = &program.model;
     if model.memory.is_empty() && model.clocks.is_empty() && model.sets.is_empty() {
         return String::new();
@@ -34,6 +34,13 @@ pub(super) fn memory(program: &Program, bodies: &Bodies<'_>, unhoisted: &Bodies<
         };
         out += &assignments.text(bodies, "    ");
     }
+    out
+}
+
+/// `scene_memory` and `clock_numbers`; those of the trait serve where nothing is held or sampled.
+pub(super) fn starts(program: &Program, unhoisted: &Bodies<'_>) -> String {
+    let model = &program.model;
+    let mut out = String::new();
     if !model.memory.is_empty() {
         out += &scene_memory(program, unhoisted);
     }

@@ -37,12 +37,12 @@ pub use linearisation::{Linearisation, NotLinear};
 pub use numpy::python;
 pub use reading::Reading;
 pub use resting::resting_place;
-pub use rust::rust;
+pub use rust::{Purpose, rust};
 pub use scope::OWN;
 pub use source_file::{FORMAT, first_difference, source_file};
 pub use units::si_unit;
 
-/// What stands for a model that has errors: a type without coordinates that implements `Mechanism<0, 0>`, so that
+/// What stands for a model that has errors: a type without coordinates that implements `Equations<0, 0>`, so that
 /// the errors are the only ones.
 pub fn skeleton(name: &str) -> String {
     let program = crate::lower::Program::empty(name);

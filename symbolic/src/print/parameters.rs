@@ -13,8 +13,8 @@ use super::words::documentation;
 use crate::lower::Program;
 use crate::model::{Parameter, field_name, is_snake_case, method_name, text};
 
-/// The struct, its default, and a method per derived parameter.
-pub(super) fn parameters(program: &Program, name: &str, bodies: &Bodies<'_>) -> String {
+/// The struct and its default.
+pub(super) fn parameters(program: &Program, name: &str) -> String {
     let fields = fields(&program.model.parameters);
     let mut out = documentation(&format!("{}\n\n{}", about(&program.model.about, name), tested(program)), "");
     out += attributes(fields.iter().map(|f| f.name.as_str()));
@@ -32,7 +32,7 @@ pub(super) fn parameters(program: &Program, name: &str, bodies: &Bodies<'_>) -> 
         let _ = writeln!(out, "            {}: {},", field.name, field.default);
     }
     let _ = writeln!(out, "        }}\n    }}\n}}\n");
-    out + &derived(program, name, bodies)
+    out
 }
 
 /// What rustc is asked to allow where names of the file are not in Rust's style.
@@ -40,7 +40,8 @@ fn attributes<'a>(mut names: impl Iterator<Item = &'a str>) -> &'static str {
     if names.all(is_snake_case) { "" } else { "#[allow(non_snake_case)]\n" }
 }
 
-fn derived(program: &Program, name: &str, bodies: &Bodies<'_>) -> String {
+/// A method for each derived parameter.
+pub(super) fn derived(program: &Program, name: &str, bodies: &Bodies<'_>) -> String {
     let model = &program.model;
     let scalar: Vec<_> = model.derived.iter().filter(|d| !d.name.contains('[')).collect();
     if scalar.is_empty() {
@@ -48,7 +49,7 @@ fn derived(program: &Program, name: &str, bodies: &Bodies<'_>) -> String {
     }
     let (n, rows) = (model.coordinates.len(), program.constraints.len());
     let names: Vec<String> = scalar.iter().map(|d| method_name(&d.name)).collect();
-    let mut out = format!("{UNJUDGED}{}impl {name} {{\n", attributes(names.iter().map(String::as_str)));
+    let mut out = format!("\n{UNJUDGED}{}impl {name} {{\n", attributes(names.iter().map(String::as_str)));
     for (derived, name) in scalar.iter().zip(&names) {
         let unit = derived.unit.as_deref();
         let unit = unit.map_or_else(|| "unit from what it is computed from".to_owned(), si_unit);
@@ -61,7 +62,7 @@ fn derived(program: &Program, name: &str, bodies: &Bodies<'_>) -> String {
             documentation(&words.replace('\n', " "), "    "),
         );
     }
-    out + "}\n\n"
+    out + "}\n"
 }
 
 struct Field {

@@ -6,18 +6,32 @@ use super::body::Bodies;
 use super::constants::name_constants;
 use super::dialect;
 use super::mechanism::Mechanism;
-use super::parameters::parameters;
+use super::parameters::{derived, parameters};
 use super::scope::{Names, Scope};
 use super::source_file::format_check;
 use crate::expr::{Binary, Id, Node, Number, Rational, Symbol, Table, Table2d, Unary};
 use crate::lower::{Accelerations, Program};
 use crate::model::{Clock, Contact, EventAction, Goal};
 
-/// The items that `model!` expands to: the type, its parameters, and its `Mechanism`.
+/// For what generated code is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// Runs: `Equations` and `Mechanism`.
+    Runs,
+    /// Code of one's own, without the standard library: `Equations` alone, which allocate nothing.
+    NoStd,
+}
+
+/// The items that `model!` expands to: the type, its parameters, its `Equations` and its `Mechanism`.
 ///
 /// `source` is the model file's text, `name` the type's name.  Every path is absolute, and every name inside
 /// functions comes from one scope (`scope.rs`), so that nothing in the file or around the expansion changes a meaning.
 pub fn rust(program: &Program, source: &str, name: &str) -> String {
+    items(program, source, name, Purpose::Runs)
+}
+
+/// As [`rust`], for a purpose.
+pub(super) fn items(program: &Program, source: &str, name: &str, purpose: Purpose) -> String {
     let mut names = Names::of(&program.model, Scope::root());
     let constants = hoist(program);
     name_constants(&mut names, program, &constants);
@@ -29,7 +43,7 @@ pub fn rust(program: &Program, source: &str, name: &str) -> String {
     let places = constants.iter().enumerate().map(|(k, id)| (*id, free + k)).collect();
     let (tables, tables_2d) = (program.tables(), program.tables_2d());
     let owner = format!(
-        "<{name} as ::dalembert::mechanism::Mechanism<{}, {}>>",
+        "<{name} as ::dalembert::mechanism::Equations<{}, {}>>",
         program.model.coordinates.len(),
         program.constraints.len()
     );
@@ -51,8 +65,14 @@ pub fn rust(program: &Program, source: &str, name: &str) -> String {
         unhoisted: bodies(&nowhere),
         constants: &constants,
         block: first_memory + program.model.memory.len(),
+        allocates: purpose == Purpose::Runs,
     };
-    parameters(program, name, &mechanism.unhoisted) + &mechanism.text(source, name) + &format_check()
+    let mut out = parameters(program, name) + &mechanism.equations(source, name);
+    if purpose == Purpose::Runs {
+        out += &mechanism.runs(name);
+        out += &derived(program, name, &mechanism.unhoisted);
+    }
+    out + &format_check()
 }
 
 /// What stands before every `impl` of generated code: its numbers and its style are the file's, not its author's.

@@ -14,10 +14,10 @@ pub(super) fn recurrences(series: &Series) -> String {
         list.iter().map(entry).collect::<Vec<_>>().join(", ")
     };
     let rows: Vec<String> = series.rows.iter().map(|row| format!("R::{}", recurrence(*row))).collect();
-    let list = |list: String| format!("B(&[{list}])");
+    let list = |list: String| format!("List::Borrowed(&[{list}])");
     format!(
         "\n    fn series() -> ::core::option::Option<&'static ::dalembert::mechanism::Series> {{\n        \
-         use ::dalembert::mechanism::{{Place as P, Recurrence as R}};\n        use ::std::borrow::Cow::Borrowed as B;\n        \
+         use ::dalembert::mechanism::{{List, Place as P, Recurrence as R}};\n        \
          static SERIES: ::dalembert::mechanism::Series = ::dalembert::mechanism::Series {{\n            \
          constants: {},\n            rows: {},\n            mass: {},\n            bias: {},\n            \
          matrix: {},\n            constraint_bias: {},\n        }};\n        \

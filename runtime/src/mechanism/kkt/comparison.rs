@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::{KktSolver, Solutions, add, packed};
-use crate::mechanism::solve::{factor_packed, substitute_back, substitute_forward};
 use crate::mechanism::{At, Singular, SingularMass, System};
+use crate::mechanism::{factor_packed, substitute_back, substitute_forward};
 
 impl KktSolver {
     /// The accelerations by the null space of J, and the multipliers that go with them; dense, for comparison only.

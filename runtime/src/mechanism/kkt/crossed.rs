@@ -4,8 +4,8 @@ use std::mem::{replace, take};
 
 use super::{KktSolver, add, weighted};
 use crate::matrix::{factor_lu, solve_lu};
-use crate::mechanism::solve::{substitute_back, substitute_forward};
 use crate::mechanism::{At, System};
+use crate::mechanism::{substitute_back, substitute_forward};
 
 impl KktSolver {
     /// Takes J at another place, J₁, and factors J₁ M⁻¹ J₀ᵀ, J₀ being that of [`KktSolver::factor`], of the rows that are kept there;

@@ -13,8 +13,8 @@ mod null_space;
 mod rows;
 mod slopes;
 
-use super::solve::{factor_packed, substitute_back, substitute_forward};
 use super::{At, Singular, SingularMass, System};
+use super::{factor_packed, substitute_back, substitute_forward};
 pub(crate) use null_space::Solutions;
 
 /// A pivot of M is rounding below this part of its diagonal.

@@ -2,8 +2,8 @@
 
 use super::KktSolver;
 use crate::mechanism::slopes::springs;
-use crate::mechanism::solve::{factor_packed, substitute_back, substitute_forward};
 use crate::mechanism::{At, Singular, System};
+use crate::mechanism::{factor_packed, substitute_back, substitute_forward};
 
 impl KktSolver {
     /// Takes M and J at a place and factors what gives the accelerations there.

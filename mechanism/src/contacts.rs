@@ -1,6 +1,8 @@
 //! Friction that may stick and contacts that may open: what a mechanism says of them, and which phase belongs to what they do.
 
-use std::fmt;
+#[cfg(feature = "alloc")]
+use alloc::vec::Vec;
+use core::fmt;
 
 use super::{List, Text};
 
@@ -85,7 +87,7 @@ pub enum ImpactLaw {
 }
 
 /// Those of a mechanism that has none.
-pub(crate) static NONE: Contacts = Contacts { all: List::Borrowed(&[]), law: None };
+pub static NO_CONTACTS: Contacts = Contacts { all: List::Borrowed(&[]), law: None };
 
 impl ContactMode {
     /// Whether the sides touch.
@@ -118,7 +120,7 @@ impl fmt::Display for ContactMode {
 
 impl ContactEvent {
     /// Whether it may happen to a contact in this mode.
-    pub(crate) fn is_of(self, mode: ContactMode) -> bool {
+    pub fn is_of(self, mode: ContactMode) -> bool {
         match self {
             ContactEvent::Lands => !mode.touches(),
             ContactEvent::Lifts => mode.touches(),
@@ -128,7 +130,7 @@ impl ContactEvent {
     }
 
     /// What leads from one mode to another; `None` where no event does.
-    pub(crate) fn between(from: ContactMode, to: ContactMode) -> Option<ContactEvent> {
+    pub fn between(from: ContactMode, to: ContactMode) -> Option<ContactEvent> {
         match (from.touches(), to.touches()) {
             (false, true) => Some(ContactEvent::Lands),
             (true, false) => Some(ContactEvent::Lifts),
@@ -149,12 +151,12 @@ impl Contact {
     }
 
     /// What an event says of it.
-    pub(crate) fn happened(&self, event: usize) -> Option<ContactEvent> {
+    pub fn happened(&self, event: usize) -> Option<ContactEvent> {
         self.events().find(|(own, _)| *own as usize == event).map(|(_, what)| what)
     }
 
     /// The event at which something happens to it.
-    pub(crate) fn event(&self, happens: ContactEvent) -> Option<usize> {
+    pub fn event(&self, happens: ContactEvent) -> Option<usize> {
         self.events().find(|(_, what)| *what == happens).map(|(event, _)| event as usize)
     }
 
@@ -171,11 +173,12 @@ impl Contact {
 
 impl Contacts {
     /// The rows of their gaps and sliding rates.
-    pub(crate) fn rows(&self) -> impl Iterator<Item = u32> {
+    pub fn rows(&self) -> impl Iterator<Item = u32> {
         self.all.iter().flat_map(|contact| [contact.normal, contact.tangent]).flatten()
     }
 
     /// The mode of each contact in a phase.
+    #[cfg(feature = "alloc")]
     pub fn modes(&self, phase: usize) -> Vec<ContactMode> {
         let mut rest = phase;
         let mut modes: Vec<ContactMode> = self

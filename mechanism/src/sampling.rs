@@ -78,23 +78,23 @@ impl Sampling {
     }
 
     /// The place of the first value of a set among all assignments.
-    pub(crate) fn first_of_set(&self, set: usize) -> usize {
+    pub fn first_of_set(&self, set: usize) -> usize {
         self.sets.iter().take(set).map(|targets| targets.len()).sum()
     }
 
     /// How many values all sets have.
-    pub(crate) fn assignments(&self) -> usize {
+    pub fn assignments(&self) -> usize {
         self.first_of_set(self.sets.len())
     }
 
     /// The held value of this name.
     pub fn place_of(&self, name: &str) -> Option<usize> {
-        self.memory.iter().position(|held| held.name == name)
+        self.memory.iter().position(|held| *held.name == *name)
     }
 }
 
 /// That of a mechanism that remembers nothing.
-pub(crate) static NOTHING: Sampling = Sampling {
+pub static NO_SAMPLING: Sampling = Sampling {
     memory: List::Borrowed(&[]),
     triggers: List::Borrowed(&[]),
     clocks: List::Borrowed(&[]),

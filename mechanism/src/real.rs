@@ -4,12 +4,12 @@
 
 use super::noise::normal;
 use super::{Table, Table2d};
-use std::ops::{Add, Div, Mul, Neg, Sub};
+use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A real number, or several side by side (lanes): what generated functions compute with.
 ///
 /// Small on purpose: generated text instantiates for `f64`, `f32`, dual numbers, SIMD lanes and
-/// double-double alike, at no cost for `f64`.
+/// double-double alike, at no cost for `f64`.  Without the standard library functions are those of the crate `libm`.
 pub trait Real:
     Copy
     + Send
@@ -127,7 +127,7 @@ pub trait Real:
 }
 
 macro_rules! real_for_float {
-    ($float:ident) => {
+    ($float:ident, $functions:ident) => {
         impl Real for $float {
             const LANES: usize = 1;
 
@@ -137,64 +137,13 @@ macro_rules! real_for_float {
             }
             #[inline]
             fn lane(self, _: usize) -> f64 {
-                self as f64
+                f64::from(self)
             }
             #[inline]
             fn ratio(n: f64, d: f64) -> Self {
                 (n / d) as $float
             }
-            #[inline]
-            fn sqrt(self) -> Self {
-                $float::sqrt(self)
-            }
-            #[inline]
-            fn sin_cos(self) -> (Self, Self) {
-                $float::sin_cos(self)
-            }
-            #[inline]
-            fn tan(self) -> Self {
-                $float::tan(self)
-            }
-            #[inline]
-            fn asin(self) -> Self {
-                $float::asin(self)
-            }
-            #[inline]
-            fn acos(self) -> Self {
-                $float::acos(self)
-            }
-            #[inline]
-            fn atan(self) -> Self {
-                $float::atan(self)
-            }
-            #[inline]
-            fn atan2(self, x: Self) -> Self {
-                $float::atan2(self, x)
-            }
-            #[inline]
-            fn sinh(self) -> Self {
-                $float::sinh(self)
-            }
-            #[inline]
-            fn cosh(self) -> Self {
-                $float::cosh(self)
-            }
-            #[inline]
-            fn tanh(self) -> Self {
-                $float::tanh(self)
-            }
-            #[inline]
-            fn exp(self) -> Self {
-                $float::exp(self)
-            }
-            #[inline]
-            fn ln(self) -> Self {
-                $float::ln(self)
-            }
-            #[inline]
-            fn powf(self, y: Self) -> Self {
-                $float::powf(self, y)
-            }
+            $functions!($float);
             #[inline]
             fn select_nonnegative(self, yes: Self, no: Self) -> Self {
                 if self >= 0.0 { yes } else { no }
@@ -215,5 +164,78 @@ macro_rules! real_for_float {
     };
 }
 
-real_for_float!(f64);
-real_for_float!(f32);
+/// The functions of the trait, by those of these paths.
+macro_rules! functions {
+    ($($name:ident($($y:ident)?) = $of:path;)*) => {$(
+        #[inline]
+        fn $name(self $(, $y: Self)?) -> Self {
+            $of(self $(, $y)?)
+        }
+    )*};
+}
+
+#[cfg(feature = "std")]
+macro_rules! functions_of_std {
+    ($float:ident) => {
+        #[inline]
+        fn sin_cos(self) -> (Self, Self) {
+            $float::sin_cos(self)
+        }
+        functions! {
+            sqrt() = $float::sqrt; tan() = $float::tan; asin() = $float::asin; acos() = $float::acos; atan() = $float::atan;
+            atan2(x) = $float::atan2; sinh() = $float::sinh; cosh() = $float::cosh; tanh() = $float::tanh; exp() = $float::exp;
+            ln() = $float::ln; powf(y) = $float::powf;
+        }
+    };
+}
+
+#[cfg(not(feature = "std"))]
+macro_rules! functions_of_libm {
+    (f64) => {
+        #[inline]
+        fn sin_cos(self) -> (Self, Self) {
+            libm::sincos(self)
+        }
+        functions! {
+            sqrt() = libm::sqrt; tan() = libm::tan; asin() = libm::asin; acos() = libm::acos; atan() = libm::atan; atan2(x) = libm::atan2;
+            sinh() = libm::sinh; cosh() = libm::cosh; tanh() = libm::tanh; exp() = libm::exp; ln() = libm::log; powf(y) = libm::pow;
+        }
+    };
+    (f32) => {
+        #[inline]
+        fn sin_cos(self) -> (Self, Self) {
+            libm::sincosf(self)
+        }
+        functions! {
+            sqrt() = libm::sqrtf; tan() = libm::tanf; asin() = libm::asinf; acos() = libm::acosf; atan() = libm::atanf; atan2(x) = libm::atan2f;
+            sinh() = libm::sinhf; cosh() = libm::coshf; tanh() = libm::tanhf; exp() = libm::expf; ln() = libm::logf; powf(y) = libm::powf;
+        }
+    };
+}
+
+#[cfg(feature = "std")]
+real_for_float!(f64, functions_of_std);
+#[cfg(feature = "std")]
+real_for_float!(f32, functions_of_std);
+#[cfg(not(feature = "std"))]
+real_for_float!(f64, functions_of_libm);
+#[cfg(not(feature = "std"))]
+real_for_float!(f32, functions_of_libm);
+
+/// The largest whole number that is not above x.
+#[inline]
+pub(crate) fn floor(x: f64) -> f64 {
+    #[cfg(feature = "std")]
+    return x.floor();
+    #[cfg(not(feature = "std"))]
+    return libm::floor(x);
+}
+
+/// The nearest whole number; of two, that farther from 0.
+#[inline]
+pub(crate) fn round(x: f64) -> f64 {
+    #[cfg(feature = "std")]
+    return x.round();
+    #[cfg(not(feature = "std"))]
+    return libm::round(x);
+}

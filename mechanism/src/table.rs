@@ -1,18 +1,17 @@
 //! Functions that a model gives by points.
 
-use std::borrow::Cow;
-
-use super::Real;
+use super::real::floor;
+use super::{List, Real, Text};
 
 /// A function by pieces: c₀ + c₁ d + c₂ d² + c₃ d³, d being the distance from the knot before.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
     /// Its name.
-    pub name: Cow<'static, str>,
+    pub name: Text,
     /// Where the pieces meet, rising, SI.
-    pub knots: Cow<'static, [f64]>,
+    pub knots: List<f64>,
     /// Coefficients of the pieces, one more than knots: before the first (from the first knot), between them, beyond the last.
-    pub pieces: Cow<'static, [[f64; 4]]>,
+    pub pieces: List<[f64; 4]>,
     /// After how much of its argument it repeats itself; `None` where it does not.
     pub period: Option<f64>,
     /// By how much it rises from period to period.
@@ -27,7 +26,7 @@ impl Table {
         let (turned, risen) = match self.period {
             None => (0.0, 0.0),
             Some(period) => {
-                let turns = ((x - self.knots[0]) / period).floor();
+                let turns = floor((x - self.knots[0]) / period);
                 (turns * period, turns * self.rise)
             }
         };
@@ -37,7 +36,7 @@ impl Table {
 
     /// Its value at x, or that of one of its derivatives, each lane in its own piece.
     #[inline]
-    pub(super) fn evaluate<S: Real>(&self, x: S, order: usize) -> S {
+    pub fn evaluate<S: Real>(&self, x: S, order: usize) -> S {
         let first = self.find(x.lane(0));
         let found = |lane| if lane == 0 { first } else { self.find(x.lane(lane)) };
         let origin = S::gather(|lane| found(lane).1);

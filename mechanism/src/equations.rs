@@ -1,10 +1,8 @@
-//! The trait that `model!` implements.
+//! The equations of motion and what belongs to them, as functions of a state.
 
-use super::contacts::NONE;
-use super::sampling::NOTHING;
-use super::{
-    Contacts, Description, Energy, Gimbal, Motion, Noise, Real, Sampling, Scene, Series, SingularMass, Table2d,
-};
+use super::contacts::NO_CONTACTS;
+use super::sampling::NO_SAMPLING;
+use super::{Contacts, Description, Gimbal, Noise, Real, Sampling, Series, SingularMass, Table2d};
 
 /// A block of scalars of a size that only generated code knows: an array `[S; K]`.
 #[doc(hidden)]
@@ -19,15 +17,15 @@ impl<S: Copy + Send + Sync, const K: usize> Values<S> for [S; K] {
     }
 }
 
-/// A mechanism with N generalized coordinates and C constraints, as generated from a model file.
+/// The equations of motion of a mechanism with N generalized coordinates and C constraints, as generated from a model file, with all that is
+/// a function of its state.
 ///
-/// Every numerical function is generic over [`Real`].  `c` is the block of [`Mechanism::constants`]:
+/// Nothing here allocates.  Every numerical function is generic over [`Real`].  `c` is the block of [`Equations::constants`]:
 /// parameters, derived parameters, products that depend on nothing else, and at its end the modes of
 /// the switches, indicators of phases and held values.  `u` are the inputs with their first and second derivatives, three numbers each.
-/// Functions that nobody calls cost nothing.  Shapes, units and signs are those of
-/// [`System`](super::System).
+/// Functions that nobody calls cost nothing.  Shapes, units and signs are those of `System` in the crate `dalembert`.
 #[expect(clippy::too_many_arguments, reason = "a state with its multipliers, part by part")]
-pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
+pub trait Equations<const N: usize, const C: usize>: Clone + Send + Sync {
     /// The block of constants.
     type Constants<S: Real>: Values<S>;
     /// The block of inputs, three numbers each.
@@ -53,7 +51,7 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
     }
     /// What is held, set and sampled.
     fn sampling() -> &'static Sampling {
-        &NOTHING
+        &NO_SAMPLING
     }
     /// Held noise.
     fn held_noise() -> &'static [Noise] {
@@ -61,7 +59,7 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
     }
     /// Friction that may stick and contacts that may open.
     fn contacts() -> &'static Contacts {
-        &NONE
+        &NO_CONTACTS
     }
     /// Values of all that events set, set by set.
     fn assignments<S: Real>(
@@ -75,20 +73,6 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
         values: &mut [S],
     ) {
         let _ = (c, t, u, q, v, a, l, values);
-    }
-    /// Held values where a scene starts, of any numbers as parameters.
-    fn scene_memory<S: Real>(parameters: &[S], scene: usize) -> Vec<S> {
-        let _ = (parameters, scene);
-        Vec::new()
-    }
-    /// Pairs (first tick, period) of the clocks, s, of any numbers as parameters.
-    fn clock_numbers<S: Real>(parameters: &[S]) -> Vec<S> {
-        let _ = parameters;
-        Vec::new()
-    }
-    /// Motions that the file asks for.
-    fn motions() -> &'static [Motion] {
-        &[]
     }
     /// How power series of M, h, J and γ follow from that of the motion; `None` where the macro was not asked for them (`methods = "taylor"`).
     #[doc(hidden)]
@@ -124,7 +108,7 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
     /// The accelerations of the coordinates of one of `description().parts`, of whose state alone they are computed.
     ///
     /// # Errors
-    /// As [`Mechanism::accelerations`].
+    /// As [`Equations::accelerations`].
     fn part_accelerations<S: Real>(
         c: &Self::Constants<S>,
         index: usize,
@@ -334,39 +318,29 @@ pub trait Mechanism<const N: usize, const C: usize>: Clone + Send + Sync {
         l: &[S; C],
         values: &mut [S],
     );
+}
 
-    /// The free parameters' values.
-    fn parameters(&self) -> Vec<f64>;
-    /// A free parameter's field.
-    fn parameter_mut(&mut self, index: usize) -> Option<&mut f64>;
-    /// What a scene sets, evaluated with the present parameters.
-    fn scene_parameters(&self, scene: usize) -> Vec<(usize, f64)>;
-    /// A scene's end, tolerance and spacing of reports, then the start [q; q'], of any numbers as free parameters: 3 + 2 N numbers, which
-    /// are 0 before.
-    fn scene_numbers<S: Real>(parameters: &[S], scene: usize, numbers: &mut [S]);
-    /// A scene, evaluated with the present parameters.
-    fn scene(&self, scene: usize) -> Scene;
-    /// The guess for an equilibrium.
-    fn equilibrium_guess(&self) -> [f64; N];
-    /// The coefficients of restitution of the events' impacts, of any numbers as free parameters.
-    fn restitutions<S: Real>(parameters: &[S]) -> Vec<S>;
-    /// A motion's period, energy, guesses of unknowns and values of conditions, of any numbers as free parameters; 0 for what is not given.
-    fn motion_numbers<S: Real>(parameters: &[S], motion: usize) -> Vec<S> {
-        let _ = (parameters, motion);
-        Vec::new()
-    }
-    /// Angular frequencies ω, rad/s and of either sign, of the dependence on time, of any numbers as free parameters: all of it is in sines,
-    /// cosines and periodic tables of ω t + ….  `None` where it is not; none without a dependence on time.
-    fn frequencies<S: Real>(parameters: &[S]) -> Option<Vec<S>> {
-        let _ = parameters;
-        Some(Vec::new())
-    }
-    /// What [`Mechanism::start_conditions`] gives where the starts meet it.
-    fn start_condition_values(&self) -> Vec<f64>;
+/// Energies of a state.
+///
+/// The balance is J − ∫P dt with J = q'·∂T/∂q' − T + V and P = q'·Q − ∂T/∂t + ∂V/∂t: for kinetic energies
+/// quadratic in the speeds J is the energy itself and P the power of everything that has no potential
+/// (Whittaker, Analytical Dynamics, §41).  Along an exact motion the balance is constant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Energy {
+    /// T, J.
+    pub kinetic: f64,
+    /// V, J.
+    pub potential: f64,
+    /// q'·∂T/∂q' − T + V, J.
+    pub jacobi: f64,
+    /// q'·Q − ∂T/∂t + ∂V/∂t, W.
+    pub power: f64,
+    /// Sum of the absolute values of the terms of T and V, J.
+    pub scale: f64,
 }
 
 impl Energy {
-    /// Names the five numbers of [`Mechanism::energy`].
+    /// Names the five numbers of [`Equations::energy`].
     pub fn from_array([kinetic, potential, jacobi, power, scale]: [f64; 5]) -> Self {
         Energy { kinetic, potential, jacobi, power, scale }
     }

@@ -1,19 +1,18 @@
 //! Functions of two arguments that a model gives by values on a grid.
 
-use std::borrow::Cow;
-
-use super::Real;
+use super::real::floor;
+use super::{List, Real, Text};
 
 /// A function by pieces: Σ c\[a\]\[b\] dᵃ eᵇ, d and e being the distances of both arguments from the knots before.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table2d {
     /// Its name.
-    pub name: Cow<'static, str>,
+    pub name: Text,
     /// Where the pieces meet along each argument, rising, SI.
-    pub knots: [Cow<'static, [f64]>; 2],
+    pub knots: [List<f64>; 2],
     /// Coefficients of the pieces, a row for each piece along the first argument; along both there is one more than knots, as in
     /// [`Table`](super::Table).
-    pub pieces: Cow<'static, [[[f64; 4]; 4]]>,
+    pub pieces: List<[[f64; 4]; 4]>,
     /// After how much of each argument it repeats itself; `None` where it does not.
     pub periods: [Option<f64>; 2],
 }
@@ -23,14 +22,14 @@ impl Table2d {
     #[inline]
     fn find(&self, argument: usize, x: f64) -> (usize, f64) {
         let knots = &self.knots[argument];
-        let turned = self.periods[argument].map_or(0.0, |period| ((x - knots[0]) / period).floor() * period);
+        let turned = self.periods[argument].map_or(0.0, |period| floor((x - knots[0]) / period) * period);
         let piece = knots.partition_point(|knot| *knot <= x - turned);
         (piece, knots[piece.saturating_sub(1)] + turned)
     }
 
     /// Its value at (x, y), or that of a derivative by both, each lane in its own piece.
     #[inline]
-    pub(super) fn evaluate<S: Real>(&self, x: S, y: S, [of_x, of_y]: [usize; 2]) -> S {
+    pub fn evaluate<S: Real>(&self, x: S, y: S, [of_x, of_y]: [usize; 2]) -> S {
         let columns = self.knots[1].len() + 1;
         let piece = |lane| self.find(0, x.lane(lane)).0 * columns + self.find(1, y.lane(lane)).0;
         let place = S::gather(|lane| piece(lane) as f64);

@@ -2,14 +2,10 @@
 //!
 //! Generated code holds one `static` [`Description`]; the interpreter builds one at run time.
 
-use std::borrow::Cow;
+#[cfg(feature = "alloc")]
+use alloc::{borrow::ToOwned, format, string::String, vec::Vec};
 
-use super::Table;
-
-/// Text that generated code has as a literal and the interpreter owns.
-pub type Text = Cow<'static, str>;
-/// A list that generated code has as a literal and the interpreter owns.
-pub type List<T> = Cow<'static, [T]>;
+use super::{List, Table, Text};
 
 /// The names, shapes and structure of a mechanism.
 #[derive(Clone, Debug, Default)]
@@ -109,10 +105,11 @@ pub struct Coordinate {
 }
 
 /// What the name of the hidden coordinate of a state begins with, which no name of a file does.
-pub(crate) const HIDDEN: char = '∫';
+pub const HIDDEN: char = '∫';
 
 /// The name of a coordinate's rate: `theta'`; of the hidden coordinate of a state that of the state.
-pub(crate) fn rate_name(coordinate: &str) -> String {
+#[cfg(feature = "alloc")]
+pub fn rate_name(coordinate: &str) -> String {
     coordinate.strip_prefix(HIDDEN).map_or_else(|| format!("{coordinate}'"), str::to_owned)
 }
 
@@ -498,7 +495,8 @@ pub struct Counts {
 
 impl Description {
     /// The name of a coordinate, for messages.
-    pub(crate) fn coordinate_name(&self, index: usize) -> String {
+    #[cfg(feature = "alloc")]
+    pub fn coordinate_name(&self, index: usize) -> String {
         let name = |c: &Coordinate| c.state().unwrap_or(&c.name).to_owned();
         self.coordinates.get(index).map_or_else(|| format!("coordinate {index}"), name)
     }
@@ -516,7 +514,7 @@ impl Description {
     /// The place of a coordinate, a rate (`theta'`) or a state of first order in [q; q'].
     pub fn place_of(&self, name: &str) -> Option<usize> {
         let n = self.coordinates.len();
-        let position = |name: &str| self.coordinates.iter().position(|coordinate| coordinate.name == name);
+        let position = |name: &str| self.coordinates.iter().position(|coordinate| *coordinate.name == *name);
         let of_state = || self.coordinates.iter().position(|coordinate| coordinate.state() == Some(name));
         match name.strip_suffix('\'') {
             Some(coordinate) => {
@@ -528,7 +526,8 @@ impl Description {
     }
 
     /// Names of coordinates and of states of first order.
-    pub(crate) fn start_names(&self) -> Vec<String> {
+    #[cfg(feature = "alloc")]
+    pub fn start_names(&self) -> Vec<String> {
         self.coordinates.iter().map(|c| c.state().unwrap_or(&c.name).to_owned()).collect()
     }
 

@@ -1,6 +1,13 @@
 //! Solving M a = f where M is too large to be factored by straight-line code.
 
-use super::{Real, SingularMass};
+use super::Real;
+
+/// M has no inverse: this coordinate's pivot vanishes to rounding, or is not finite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SingularMass {
+    /// Index of the coordinate.
+    pub coordinate: usize,
+}
 
 /// Overwrites f with M⁻¹(−f): LDLᵀ of the packed lower triangle `m` (row by row, n(n+1)/2 numbers), in place.
 ///
@@ -15,7 +22,7 @@ pub fn solve_packed<S: Real, const N: usize>(m: &mut [S], f: &mut [S; N]) -> Res
 /// # Errors
 /// [`SingularMass`] where a pivot vanishes beside M's diagonal, or is not finite.
 #[inline]
-pub(crate) fn solve_packed_slice<S: Real>(m: &mut [S], f: &mut [S]) -> Result<(), SingularMass> {
+pub fn solve_packed_slice<S: Real>(m: &mut [S], f: &mut [S]) -> Result<(), SingularMass> {
     factor_packed(m, f.len())?;
     f.iter_mut().for_each(|f| *f = -*f);
     substitute_forward(m, f);
@@ -28,7 +35,7 @@ pub(crate) fn solve_packed_slice<S: Real>(m: &mut [S], f: &mut [S]) -> Result<()
 /// # Errors
 /// [`SingularMass`] where a pivot vanishes beside M's diagonal, or is not finite.
 #[inline]
-pub(crate) fn factor_packed<S: Real>(m: &mut [S], size: usize) -> Result<(), SingularMass> {
+pub fn factor_packed<S: Real>(m: &mut [S], size: usize) -> Result<(), SingularMass> {
     let row = |i: usize| i * (i + 1) / 2;
     for i in 0..size {
         let diagonal = m[row(i) + i];
@@ -57,7 +64,7 @@ pub(crate) fn factor_packed<S: Real>(m: &mut [S], size: usize) -> Result<(), Sin
 
 /// f becomes L⁻¹ f.
 #[inline]
-pub(crate) fn substitute_forward<S: Real>(m: &[S], f: &mut [S]) {
+pub fn substitute_forward<S: Real>(m: &[S], f: &mut [S]) {
     for i in 0..f.len() {
         let line = &m[i * (i + 1) / 2..][..i];
         let mut sum = f[i];
@@ -70,7 +77,7 @@ pub(crate) fn substitute_forward<S: Real>(m: &[S], f: &mut [S]) {
 
 /// f becomes L⁻ᵀ D⁻¹ f.
 #[inline]
-pub(crate) fn substitute_back<S: Real>(m: &[S], f: &mut [S]) {
+pub fn substitute_back<S: Real>(m: &[S], f: &mut [S]) {
     let row = |i: usize| i * (i + 1) / 2;
     for i in (0..f.len()).rev() {
         let mut sum = f[i] * m[row(i) + i];

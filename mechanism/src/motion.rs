@@ -1,5 +1,7 @@
 //! Motions that a model file asks for.
 
+use alloc::vec::Vec;
+
 use super::{List, Text};
 
 /// A motion that the file names in `motions`.
