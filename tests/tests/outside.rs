@@ -140,7 +140,8 @@ fn a_microcontroller_gets_a_controller_of_some_kilobytes() {
 
 /// How many bytes of a program of 32 bits are loaded: its segments of type 1 (System V ABI, chapter 5: program header).
 fn loaded(program: &[u8]) -> usize {
-    let number = |at: usize, bytes: usize| program[at..at + bytes].iter().rev().fold(0, |n, byte| n << 8 | *byte as usize);
+    let number =
+        |at: usize, bytes: usize| program[at..at + bytes].iter().rev().fold(0, |n, byte| n << 8 | *byte as usize);
     assert_eq!(&program[..5], b"\x7fELF\x01");
     let (first, size, count) = (number(28, 4), number(42, 2), number(44, 2));
     let segments = (0..count).map(|k| first + k * size).filter(|at| number(*at, 4) == 1);
