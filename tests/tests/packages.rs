@@ -5,9 +5,10 @@ use std::process::Command;
 
 use serde_json::Value;
 
-const PUBLISHED: [(&str, &str); 4] = [
+const PUBLISHED: [(&str, &str); 5] = [
     ("dalembert", "runtime"),
     ("dalembert-macros", "macros"),
+    ("dalembert-mechanism", "mechanism"),
     ("dalembert-models", "models"),
     ("dalembert-symbolic", "symbolic"),
 ];

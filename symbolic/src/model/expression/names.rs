@@ -140,7 +140,8 @@ impl Lower<'_> {
 
     /// The member of a name that indices choose; reports what is wrong.
     pub(super) fn member_of(&mut self, entry: &Entry, name: &str, indices: &[Ast], span: Span) -> Option<Member> {
-        if entry.refused {
+        let all_refused = !entry.members.is_empty() && entry.members.values().all(|member| *member == Member::Refused);
+        if entry.refused || all_refused {
             return Some(Member::Refused);
         }
         let scope = self.scope;

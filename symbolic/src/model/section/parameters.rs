@@ -172,9 +172,13 @@ pub fn values(
     family: &KeyFamily,
     problems: &mut Vec<crate::diagnose::Problem>,
 ) -> Option<Vec<Quantity>> {
-    if spot.items().is_some() {
+    if let Some(items) = spot.items() {
         if !family.ranged {
-            spot.wrong_shape("one number; a list goes with a family, `x[i in 1..3]`", problems);
+            let (name, count) = (&family.key.name, items.len());
+            spot.wrong_shape(
+                &format!("one number; {count} are those of a family, `{name}[i in 1..{count}]`"),
+                problems,
+            );
             return None;
         }
         let spots = flat(spot);
