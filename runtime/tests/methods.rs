@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use dalembert::mechanism::{Mechanism, System};
+use dalembert::mechanism::{Equations, System};
 use dalembert::{Enforcement, Error, Inseparable, Method, Settings, Simulate, Stabilisation, simulate};
 
 dalembert::model!(

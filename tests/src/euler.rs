@@ -6,7 +6,7 @@
 
 use std::f64::consts::E;
 
-use dalembert::mechanism::{Mechanism, Real};
+use dalembert::mechanism::{Equations, Real};
 use dalembert_models::exponential_growth::ExponentialGrowth;
 
 /// How increments are added to the state.

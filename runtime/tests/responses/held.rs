@@ -2,7 +2,7 @@
 //! twins without constraints.
 
 use dalembert::linear::{Guess, LinearError, Source, linearise_constrained};
-use dalembert::mechanism::{Dynamic, Mechanism};
+use dalembert::mechanism::{Dynamic, Equations};
 use serde_json::Value;
 
 use super::{C, answer, i, library, run};
