@@ -338,6 +338,7 @@ fn modes() -> Command {
         .arg(picture("campbell", "Draw the frequencies over what --vary changes (Campbell diagram), with a line for each order of a speed of rotation, and list critical speeds, where these meet").requires("vary"))
         .arg(value("orders", "1,2", "Multiples of the speed of rotation that excite [default: 1 and 2 where --vary changes one in rad/s]").requires("campbell"))
         .arg(flag("here", "Take that point as it is, and refuse it if it is no equilibrium"))
+        .arg(value("at-time", "TIME", "Small departures from the scene's motion instead, as they are at this time, s (or 20 ms): A and B of x' = A x + B u, and --state-space"))
         .arg(flag("json", "Print one JSON object"))
 }
 

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::cause::GimbalLock;
+use crate::cause::{Cause, GimbalLock};
 use crate::numbers::short;
 
 /// A generalized force that is left where there should be none.
@@ -117,6 +117,20 @@ pub enum LinearError {
     SingularMass {
         /// The coordinate whose pivot is not positive.
         coordinate: String,
+    },
+    /// There are no accelerations at an instant of a motion.
+    NoAccelerations(Box<Cause>),
+    /// An input moves a constraint, so that it changes places and not forces alone.
+    MovedByInput {
+        /// The constraint.
+        constraint: String,
+        /// The input.
+        input: String,
+    },
+    /// What acts is no input of the model.
+    NotAnInput {
+        /// Its name.
+        drive: String,
     },
     /// M is singular, because three angles cannot turn a frame in every direction here.
     GimbalLock(GimbalLock),
@@ -298,6 +312,14 @@ impl fmt::Display for LinearError {
             ),
             LinearError::SingularMass { coordinate } => {
                 write!(f, "the mass matrix is not positive definite: nothing gives `{coordinate}` an inertia here")
+            }
+            LinearError::NoAccelerations(cause) => cause.fmt(f),
+            LinearError::MovedByInput { constraint, input } => write!(
+                f,
+                "`{input}` moves the constraint `{constraint}`: along a motion only inputs of forces are linearised; leave it out of --in"
+            ),
+            LinearError::NotAnInput { drive } => {
+                write!(f, "`{drive}` is no input of the model; along a motion B is by `inputs` alone")
             }
             LinearError::GimbalLock(lock) => write!(f, "gimbal lock: {lock}"),
             LinearError::WrongSize { what, given, expected } => {

@@ -58,7 +58,7 @@ pub use equilibrium::{SampledLoop, StateSpace, linearise_sampled, linearise_stat
 pub(crate) use forced::turned;
 pub use forced::{
     Drive, Harmonic, InputOutput, Measured, Motion, NamedDrive, Observed, Response, Source, Steady, Unreached, beat,
-    bode, measure, observe, solvemode, solvenorm, solvenum,
+    bode, linearise_instant, measure, observe, solvemode, solvenorm, solvenum,
 };
 pub use matrices::{LinearMechanism, SparseMatrix, expm};
 #[cfg(feature = "modal")]

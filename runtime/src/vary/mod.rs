@@ -20,6 +20,7 @@ mod variational;
 use crate::error::NoSlopes;
 pub(crate) use junction::put;
 pub(crate) use leg::{Leg, leg};
+pub(crate) use response::Response;
 pub(crate) use second::{Second, TOLD, finer, second};
 #[cfg(feature = "cli")]
 pub(crate) use slopes::run_with_slopes;

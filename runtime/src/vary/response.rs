@@ -6,7 +6,7 @@ use crate::mechanism::{
 
 /// A state with its accelerations and multipliers, and the system that they solve, factored.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Response {
+pub(crate) struct Response {
     form: KktSolver,
     /// M's packed lower triangle, factored, where no row is in force: all that there is to solve then.
     mass: Vec<f64>,
@@ -129,6 +129,16 @@ impl Response {
             add_product(pattern, values, x, &mut self.demands);
         }
         self.da.iter_mut().for_each(|force| *force = -*force);
+        self.solve(system, at)
+    }
+
+    /// As [`Response::along`], for a small force in the place of a direction.
+    ///
+    /// # Errors
+    /// Friction that leaves no reaction.
+    pub fn of_force(&mut self, system: &dyn System, at: At<'_>, force: &[f64]) -> Result<(), Singular> {
+        self.da.copy_from_slice(force);
+        self.demands.fill(0.0);
         self.solve(system, at)
     }
 

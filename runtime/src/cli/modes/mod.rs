@@ -5,6 +5,7 @@ mod constrained;
 mod damping;
 mod drive;
 mod for_programs;
+mod instant;
 mod integrals;
 mod locus;
 mod matrices;
@@ -30,7 +31,7 @@ use super::set_up::{Reader, choose, with_unit_of};
 use super::{Context, Problem, outputs};
 use crate::linear::{
     Guess, Kind, LinearError, Linearised, Mode, animate_mode, draw_modes, equilibrium_here, equilibrium_near,
-    has_dependent_coordinates, linearise, linearise_constrained,
+    has_dependent_coordinates, linearise, linearise_constrained, short,
 };
 use crate::mechanism::{Noise, System, Target};
 use crate::simulate::{Settings, settled};
@@ -41,6 +42,7 @@ use drive::Driven;
 use locus::Locus;
 use model::Model;
 use motion::Compared;
+use nalgebra::DMatrix;
 use serde_json::json;
 use steady::Speeds;
 use trim::Trim;
@@ -59,6 +61,9 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     options.get_one::<String>("animate").map_or(Ok(()), |path| outputs::playable(path))?;
     options.get_one::<String>("state-space").map_or(Ok(()), |path| outputs::ends_in(path, &state_space::ENDINGS))?;
     options.get_one::<String>("matrices").map_or(Ok(()), |path| outputs::ends_in(path, &["mtx", "csv"]))?;
+    if options.get_one::<String>("at-time").is_some() {
+        return instant::run(context, options, out);
+    }
     let Prepared { loaded, scene, mut reader, speeds, place, held } = prepared(context, options)?;
     for warning in loaded.warnings.iter().chain(&held) {
         eprintln!("warning: {warning}");
@@ -223,6 +228,15 @@ fn with_states(
 #[cfg(not(feature = "modal"))]
 fn with_states(_: &Loaded, _: &ArgMatches, _: &mut Reader, _: &Place, _: &mut dyn Write) -> Result<(), Problem> {
     Err(failed(LinearError::NeedsFeature { feature: "modal" }))
+}
+
+/// A matrix, a line a row.
+fn rows(name: &str, matrix: &DMatrix<f64>, out: &mut dyn Write) -> Result<(), Problem> {
+    writeln!(out, "  {name} =")?;
+    for row in matrix.row_iter() {
+        writeln!(out, "    [{}]", row.iter().map(|x| short(*x)).collect::<Vec<_>>().join(", "))?;
+    }
+    Ok(())
 }
 
 /// Where the search starts: the file's guess, or the scene's start where it gives none and constraints must be met.

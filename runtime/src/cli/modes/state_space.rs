@@ -16,7 +16,10 @@ use super::super::{Problem, zip};
 use super::failed;
 use super::model::Model;
 use super::shaken::{Shaken, named};
-use crate::linear::{InputOutput, LinearError, Linearised, NamedDrive, Source, Unreached, short_beside};
+use crate::linear::{
+    InputOutput, LinearError, Linearised, NamedDrive, Source, Unreached, linearise_instant, short_beside,
+};
+use crate::mechanism::At;
 
 /// Endings of files that are written.
 pub const ENDINGS: [&str; 4] = ["json", "npz", "m", "csv"];
@@ -71,6 +74,35 @@ pub fn of_states(
     write(path, &loaded.name, &found, options, out)
 }
 
+/// What small departures from a motion do at an instant.
+///
+/// # Errors
+/// Names that are unknown, and a file that cannot be written.
+pub fn of_instant(
+    loaded: &Loaded,
+    options: &ArgMatches,
+    reader: &mut Reader,
+    at: At<'_>,
+    out: &mut dyn Write,
+) -> Result<InputOutput, Problem> {
+    let known = &loaded.system.description().inputs;
+    let mut drives = Vec::new();
+    for name in inputs(loaded, options) {
+        let Some(place) = known.iter().position(|input| **input == *name) else {
+            return Err(super::super::set_up::unknown("input", &name, known.iter().map(|name| &**name)));
+        };
+        let unit = input_unit(loaded, reader, &name)?;
+        drives.push(NamedDrive { drive: Source::Input(place).into(), name, unit });
+    }
+    let answers = answers(loaded, options)?;
+    let answers: Vec<&str> = answers.iter().map(String::as_str).collect();
+    let found = linearise_instant(&*loaded.system, at, &drives, &answers).map_err(failed)?;
+    if let Some(path) = options.get_one::<String>("state-space") {
+        write(path, &loaded.name, &found, options, out)?;
+    }
+    Ok(found)
+}
+
 /// All inputs of a model.
 pub fn all_inputs(loaded: &Loaded, reader: &mut Reader, linear: &Linearised) -> Result<Vec<NamedDrive>, Problem> {
     let one = |(k, name): (usize, &String)| {
@@ -115,7 +147,7 @@ fn write(
         "npz" => npz(found),
         "m" => script(name, found).into_bytes(),
         "csv" => table(found).into_bytes(),
-        _ => (serde_json::to_string_pretty(&as_json(name, found)).unwrap_or_default() + "\n").into_bytes(),
+        _ => (serde_json::to_string_pretty(&as_json(name, found, [])).unwrap_or_default() + "\n").into_bytes(),
     };
     std::fs::write(path, bytes).map_err(|problem| Problem::File(format!("cannot write `{path}`: {problem}")))?;
     if options.get_flag("json") {
@@ -163,13 +195,15 @@ pub fn matrix(matrix: &DMatrix<f64>) -> Value {
     matrix.row_iter().map(|row| row.iter().map(|x| number(*x)).collect::<Vec<_>>()).collect::<Vec<_>>().into()
 }
 
-fn as_json(name: &str, found: &InputOutput) -> Value {
+/// All of it, with more at the end.
+pub fn as_json(name: &str, found: &InputOutput, more: impl IntoIterator<Item = (String, Value)>) -> Value {
     let mut entries = vec![("format".to_owned(), json!(1)), ("model".to_owned(), json!(name))];
     for (kind, list) in lists(found) {
         entries.push((format!("{kind}s"), list.iter().map(|[name, _]| name.clone()).collect::<Vec<_>>().into()));
         entries.push((format!("{kind}_units"), list.iter().map(|[_, unit]| unit.clone()).collect::<Vec<_>>().into()));
     }
     entries.extend(matrices(found).map(|(name, matrix)| (name.to_owned(), self::matrix(matrix))));
+    entries.extend(more);
     super::super::json::object(entries)
 }
 

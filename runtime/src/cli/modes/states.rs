@@ -14,7 +14,7 @@ use super::super::set_up::Reader;
 use super::super::{Problem, json};
 use super::tangent::{told, verdict};
 use super::trim::Trim;
-use super::{MOST_PRINTED, Place, failed, state_space};
+use super::{MOST_PRINTED, Place, failed, rows, state_space};
 use crate::linear::{StateSpace, linearise_states, short, short_beside};
 
 /// What has modes of M, C and K only.
@@ -86,14 +86,6 @@ fn table(name: &str, found: &StateSpace, out: &mut dyn Write) -> Result<(), Prob
         writeln!(out, "     {}", parts(found, &shape).join(", "))?;
     }
     writeln!(out, "stability: {}", verdict(analysis.stability))?;
-    Ok(())
-}
-
-fn rows(name: &str, matrix: &DMatrix<f64>, out: &mut dyn Write) -> Result<(), Problem> {
-    writeln!(out, "  {name} =")?;
-    for row in matrix.row_iter() {
-        writeln!(out, "    [{}]", row.iter().map(|x| short(*x)).collect::<Vec<_>>().join(", "))?;
-    }
     Ok(())
 }
 

@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector};
 use super::Guess;
 use super::least_steps::{BALANCED, Rest};
 use super::point::LinearisationPoint;
-use crate::linear::forced::{rated, slopes_of};
+use crate::linear::forced::{named_answers, rated, slopes_of};
 use crate::linear::matrices::balanced;
 use crate::linear::{FirstOrder, InputOutput, LinearError, Residual, first_order_modes};
 use crate::mechanism::{Coordinate, HIDDEN, System, rate_name};
@@ -85,12 +85,7 @@ impl StateSpace {
         let description = system.description();
         let (n, all) = (description.mechanical(), description.coordinates.len());
         let probe = LinearisationPoint::new(system, &self.guess);
-        // A state is the rate of its hidden coordinate.
-        let name = |answer: &&str| match description.coordinates.iter().find(|c| c.state() == Some(*answer)) {
-            Some(hidden) => format!("{}'", hidden.name),
-            None => (*answer).to_owned(),
-        };
-        let names: Vec<String> = answers.iter().map(name).collect();
+        let names = named_answers(description, answers);
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         let rows = vec![0.0; description.rows.len()];
         let (seen, _) = slopes_of(description, &probe, &self.guess.q, &rows, &names)?;

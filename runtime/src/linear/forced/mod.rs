@@ -5,6 +5,7 @@ mod drive;
 mod harmonic;
 mod initial_value;
 mod input_output;
+mod instant;
 mod measured;
 mod motion;
 mod observed;
@@ -24,7 +25,10 @@ pub use initial_value::{Motion, solvemode, solvenorm, solvenum};
 #[cfg(feature = "modal")]
 pub(in crate::linear) use input_output::rated;
 pub use input_output::{InputOutput, NamedDrive, Unreached};
+pub use instant::linearise_instant;
 pub use measured::{Measured, measure};
+#[cfg(feature = "modal")]
+pub(in crate::linear) use observed::named_answers;
 pub(in crate::linear) use observed::slopes_of;
 pub use observed::{Observed, observe};
 pub use response::Response;

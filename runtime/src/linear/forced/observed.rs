@@ -5,7 +5,7 @@ use nalgebra::{Complex, DMatrix, RowDVector};
 use super::{Drive, Source};
 use crate::linear::equilibrium::LinearisationPoint;
 use crate::linear::{LinearError, Linearised};
-use crate::mechanism::{Description, System};
+use crate::mechanism::{Description, System, rate_name};
 use crate::run::Names;
 use crate::show::unit;
 
@@ -192,15 +192,35 @@ impl Observed {
 
 /// What is asked for.
 #[derive(Clone, Copy)]
-enum Answer {
+pub(super) enum Answer {
     Coordinate(usize),
     Rate(usize),
     /// A component, among those of all outputs.
     Output(usize),
 }
 
+impl Answer {
+    /// Its name, a state's in the place of its hidden coordinate's rate.
+    pub(super) fn name(self, known: &Names) -> String {
+        match self {
+            Answer::Coordinate(i) => known.coordinates[i].clone(),
+            Answer::Rate(i) => rate_name(&known.coordinates[i]),
+            Answer::Output(k) => known.outputs[k].clone(),
+        }
+    }
+}
+
+/// Names of answers as [`chosen`] knows them: a state is the rate of its hidden coordinate.
+pub(in crate::linear) fn named_answers(description: &Description, answers: &[&str]) -> Vec<String> {
+    let name = |answer: &&str| match description.coordinates.iter().find(|c| c.state() == Some(*answer)) {
+        Some(hidden) => format!("{}'", hidden.name),
+        None => (*answer).to_owned(),
+    };
+    answers.iter().map(name).collect()
+}
+
 /// A coordinate, a rate, a component of an output or all components of one.
-fn chosen(known: &Names, name: &str) -> Result<Vec<Answer>, LinearError> {
+pub(super) fn chosen(known: &Names, name: &str) -> Result<Vec<Answer>, LinearError> {
     let coordinate = |name: &str| known.coordinates.iter().position(|known| known == name);
     if let Some(i) = coordinate(name) {
         return Ok(vec![Answer::Coordinate(i)]);
