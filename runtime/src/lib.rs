@@ -70,6 +70,7 @@ pub mod prelude;
 mod run;
 pub mod show;
 mod simulate;
+mod stopwatch;
 #[cfg(test)]
 mod testing;
 pub mod trust;

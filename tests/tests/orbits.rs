@@ -185,9 +185,8 @@ fn a_compass_walks_down_a_slope() {
 }
 
 /// The simplest walker (Garcia and others, 1998), of which only the hip has a mass: here with feet of 10⁻¹².
-#[test]
-fn the_simplest_walker_walks_on_feet_of_next_to_no_mass() {
-    let file = written(
+fn simplest_walker() -> String {
+    written(
         "name: Walker\nparameters: {m: 1, beta: 1e-12, l: 1, g: 1, slope: 0.009}\n\
          coordinates: {x: 1, y: 1, p: rad, s: rad}\n\
          points: {hip: \"[x, y]\", foot1: \"hip + l*[sin(p), -cos(p)]\", foot2: \"hip + l*[sin(s), -cos(s)]\"}\n\
@@ -197,8 +196,12 @@ fn the_simplest_walker_walks_on_feet_of_next_to_no_mass() {
          \x20 strike2: {phase: on1, when: foot2.y - foot1.y, direction: falling, if: foot2.x - foot1.x - 0.1*l, then: on2}\n\
          \x20 strike1: {phase: on2, when: foot1.y - foot2.y, direction: falling, if: foot1.x - foot2.x - 0.1*l, then: on1}\n\
          scene: {start: {x: -0.199, y: 0.98, p: 0.2003, s: -0.2003, \"p'\": -0.19983, \"s'\": -0.184}, until: 10, tolerance: 1e-12}\n",
-    );
-    let known = reference("simplest_walker");
+    )
+}
+
+#[test]
+fn the_simplest_walker_walks_on_feet_of_next_to_no_mass() {
+    let (file, known) = (simplest_walker(), reference("simplest_walker"));
     let short = ["--start", "p=0.194", "--start", "s=-0.194", "--start", "p'=-0.2039", "--start", "s'=-0.188"];
     for (place, slope, more) in [(0, "0.009", &[][..]), (1, "0.012", &[]), (2, "0.009", &short)] {
         let (found, known) = (
@@ -215,11 +218,25 @@ fn the_simplest_walker_walks_on_feet_of_next_to_no_mass() {
         assert_eq!(found["multipliers"].as_array().unwrap().len(), 3, "{found}");
         assert_eq!(number(&found["multipliers"][2]["re"]), 0.0);
     }
+    // Three steps of a gait are three steps, and not one of another.
+    let again = told(&[&[file.as_str(), "--count", "2"][..], &STEP].concat()).unwrap();
+    assert_eq!(again["repeats"], 3);
+    near(number(&again["period"]["value"]), 2.0 * number(&known["points"][0]["step_time"]), 1e-11);
+}
+
+#[test]
+fn steps_of_the_simplest_walker_double() {
+    let (file, known) = (simplest_walker(), reference("simplest_walker"));
     let found = told(&[&[file.as_str()][..], &STEP, &["--vary", "slope=0.0145,0.0152"]].concat()).unwrap();
     let threshold = &found["thresholds"][0];
     assert_eq!(threshold["kind"], "doubling");
     near(number(&threshold["value"]), number(&known["period_doubling"]["slope"]), 1e-10);
-    // There a gait of two unequal steps leaves, which doubles again.
+}
+
+/// Where steps double a gait of two unequal steps leaves, which doubles again.
+#[test]
+fn two_unequal_steps_of_the_simplest_walker_double_again() {
+    let (file, known) = (simplest_walker(), reference("simplest_walker"));
     let values = ["--vary", "slope=0.015,0.0155,0.016,0.0178", "--branch", "1"];
     let doubled = told(&[&[file.as_str()][..], &STEP, &values].concat()).unwrap();
     for expected in known["doubled"].as_array().unwrap() {
@@ -240,10 +257,6 @@ fn the_simplest_walker_walks_on_feet_of_next_to_no_mass() {
     let threshold = &doubled["thresholds"][0];
     assert_eq!(threshold["kind"], "doubling", "{}", doubled["thresholds"]);
     near(number(&threshold["value"]), number(&known["second_doubling"]["slope"]), 1e-12);
-    // Three steps of a gait are three steps, and not one of another.
-    let again = told(&[&[file.as_str(), "--count", "2"][..], &STEP].concat()).unwrap();
-    assert_eq!(again["repeats"], 3);
-    near(number(&again["period"]["value"]), 2.0 * number(&known["points"][0]["step_time"]), 1e-11);
 }
 
 /// Problems of the course, each by a command: 5, a rosette by the half of it, where it reverses itself; 7 c, the eight after a push; 39 b, a

@@ -3,16 +3,17 @@
 use dalembert_tests::at_once::at_once;
 use dalembert_tests::random_contacts::{KINDS, Verdict, draw, judge};
 
+/// Drawn runs with their verdicts, on all cores.
+fn judged(runs: &[u64]) -> Vec<(u64, Verdict)> {
+    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    at_once(0..runs.len() as u64, threads, |k| (runs[k as usize], judge(&draw(runs[k as usize]))))
+}
+
 /// In run 69 friction pushed a sliding box on: it had slid the other way before the last of its hops was taken from it. In run 50 what time
 /// passed while hops were left out gained energy.
 #[test]
 fn no_drawn_contact_is_wrong_without_a_word() {
-    let runs: Vec<u64> = (0..3).chain([50, 69]).collect();
-    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    let judged = at_once(0..runs.len() as u64, threads, |k| {
-        let run = runs[k as usize];
-        (run, judge(&draw(run)))
-    });
+    let judged = judged(&[0, 1, 2, 50, 69]);
     for (run, verdict) in &judged {
         assert!(!matches!(verdict, Verdict::Wrong(_)), "run {run}: {verdict:?}\n{}", draw(*run).text());
     }
@@ -25,8 +26,7 @@ fn no_drawn_contact_is_wrong_without_a_word() {
 /// a corner.
 #[test]
 fn what_rests_and_what_falls_along_walls_goes_on() {
-    for run in [90, 163, 354] {
-        let verdict = judge(&draw(run));
+    for (run, verdict) in judged(&[90, 163, 354]) {
         assert!(matches!(verdict, Verdict::Right | Verdict::Lawful), "run {run}: {verdict:?}");
     }
 }

@@ -1,14 +1,16 @@
-//! Work on the project itself: `cargo xtask golden`, `cargo xtask book`.
+//! Work on the project itself: `cargo xtask golden`, `cargo xtask book`, `cargo xtask page`.
 
 mod book;
 mod golden;
+mod page;
 
 use std::process::ExitCode;
 
 const USAGE: &str = "\
 cargo xtask golden --record   write down what the program prints of every model and error
 cargo xtask golden            compare with what was written down, and tell what differs
-cargo xtask book              build the book in docs/book as a web site, with mdBook";
+cargo xtask book              build the book in docs/book as a web site, with mdBook
+cargo xtask page -o FOLDER     write dalembert.html there: the library in a browser, as one file";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -17,6 +19,7 @@ fn main() -> ExitCode {
         ["golden", "--record"] => golden::record(),
         ["golden"] => golden::compare(),
         ["book"] => book::build(),
+        ["page", "-o", folder] => page::build(folder),
         _ => Err(USAGE.to_owned()),
     };
     match outcome {

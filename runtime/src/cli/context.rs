@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+#[cfg(not(target_family = "wasm"))]
 use signal_hook::consts::{SIGINT, SIGTERM};
 
 use super::Entry;
@@ -38,6 +39,7 @@ impl<'a> Context<'a> {
 
 fn by_signals() -> Arc<AtomicBool> {
     let flag = Arc::new(AtomicBool::new(false));
+    #[cfg(not(target_family = "wasm"))]
     for signal in [SIGINT, SIGTERM] {
         // Where signals cannot be had, they end the program as they always did.
         let _ = signal_hook::flag::register_conditional_shutdown(signal, 128 + signal, flag.clone());

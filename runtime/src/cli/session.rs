@@ -10,6 +10,7 @@ use std::sync::atomic::AtomicBool;
 
 use clap::ArgMatches;
 use dalembert_symbolic::diagnose;
+use dalembert_symbolic::file::render;
 use serde_json::Value;
 
 use super::load::{Loaded, ModelFile};
@@ -24,6 +25,7 @@ pub struct Session {
     models: &'static [Entry],
     kept: Loaded,
     warnings: String,
+    warned: String,
 }
 
 /// Why a model cannot be loaded.
@@ -71,6 +73,8 @@ pub struct Simulated {
     pub failed: Option<(String, f64)>,
     /// What `simulate --json` prints.
     pub json: String,
+    /// What `simulate` prints: the end, what happened, and how far to trust it.
+    pub text: String,
 }
 
 impl Session {
@@ -103,8 +107,9 @@ impl Session {
             path: file.path.clone(),
             problems: listed(&problems),
         })?;
-        let warnings = kept.program().map_or_else(|_| "[]".to_owned(), |program| listed(&program.model.warnings));
-        Ok(Session { models, kept, warnings })
+        let found = kept.program().map_or_else(|_| Vec::new(), |program| program.model.warnings);
+        let (warnings, warned) = (listed(&found), render(&file.path, &file.source, &found));
+        Ok(Session { models, kept, warnings, warned })
     }
 
     /// The name that it goes by: its file's.
@@ -120,6 +125,11 @@ impl Session {
     /// Warnings about the file, as `check --json` lists them among its `problems`.
     pub fn warnings(&self) -> &str {
         &self.warnings
+    }
+
+    /// The same warnings as `check` prints them; empty where there are none.
+    pub fn warned(&self) -> &str {
+        &self.warned
     }
 
     /// The mechanism, with the file's parameters.
@@ -145,8 +155,16 @@ impl Session {
         watch: &mut dyn FnMut() -> ControlFlow<()>,
     ) -> Result<Simulated, Problem> {
         let options = self.options("simulate", options)?;
-        let Outcome { loaded, run, failed, json } = outcome(self.context(), &options, &mut |_| watch())?;
-        Ok(Simulated { loaded, run, failed, json: json_text(&json) })
+        let Outcome { loaded, run, failed, json, text } = outcome(self.context(), &options, &mut |_| watch())?;
+        Ok(Simulated { loaded, run, failed, json: json_text(&json), text })
+    }
+
+    /// What `modes` prints by its options, as [`Session::command`] does; a program that runs no other command has the code of none.
+    pub fn modes(&self, options: &[String]) -> Answer {
+        let mut out = Vec::new();
+        let options = self.options("modes", options);
+        let problem = options.and_then(|options| modes::run(self.context(), &options, &mut out)).err();
+        Answer { text: String::from_utf8_lossy(&out).into_owned(), problem }
     }
 
     /// Linearises as `modes` does, by its options: one JSON object with M, C, K and F of

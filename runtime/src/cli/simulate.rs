@@ -103,6 +103,8 @@ pub struct Outcome {
     pub failed: Option<(String, f64)>,
     /// What `--json` prints.
     pub json: Value,
+    /// What is printed without `--json`.
+    pub text: String,
 }
 
 /// Runs a scene without writing anything.
@@ -133,7 +135,10 @@ pub fn outcome(
     if let Some((told, _)) = &failed {
         json["error"] = Problem::Run(told.clone()).as_json();
     }
-    Ok(Outcome { loaded, run, failed, json })
+    let mut text = Vec::new();
+    in_words((&loaded, &settings), (&run, failed.is_some()), options, &mut text)?;
+    let text = String::from_utf8_lossy(&text).into_owned();
+    Ok(Outcome { loaded, run, failed, json, text })
 }
 
 /// With `--method`, `--together` and what is said of constraints.
@@ -295,6 +300,24 @@ fn report(
         super::json::write(&object, out)?;
         return Ok(());
     }
+    in_words((loaded, settings), (run, failed.is_some()), options, out)?;
+    if asked {
+        symmetries::write(watched.as_ref(), out)?;
+    }
+    if let Some(slopes) = slopes {
+        slopes::write(slopes, out)?;
+    }
+    writeln!(out)?;
+    Ok(())
+}
+
+/// Where the motion ends, what happened on the way, and how far that can be trusted.
+fn in_words(
+    (loaded, settings): (&Loaded, &Settings),
+    (run, failed): (&Run, bool),
+    options: &ArgMatches,
+    out: &mut dyn Write,
+) -> Result<(), Problem> {
     let last = run.last();
     let unit = |name: &str| match run.unit(name) {
         unit if unit.is_empty() => unit,
@@ -331,7 +354,7 @@ fn report(
         )?;
     }
     if run.digits.is_none() && !options.get_flag("no-digits") {
-        let why = if failed.is_some() {
+        let why = if failed {
             "the run ended early"
         } else if run.has_untried_integrals() {
             "an integral is beyond where its rule was tried"
@@ -342,13 +365,6 @@ fn report(
         };
         writeln!(out, "digits         not estimated: {why}")?;
     }
-    if asked {
-        symmetries::write(watched.as_ref(), out)?;
-    }
-    if let Some(slopes) = slopes {
-        slopes::write(slopes, out)?;
-    }
-    writeln!(out)?;
     Ok(())
 }
 

@@ -12,14 +12,18 @@ use super::{OneStep, Stability};
 use crate::mechanism::Method;
 
 /// Calls a constructor with arrays up to ten coordinates, beyond which evaluating the accelerations takes most of the time,
-/// and with a box above.
+/// and with a box above.  In a browser, where code is sent and models are interpreted, always with a box.
 macro_rules! sized {
-    ($n:expr, $block:ident => $new:expr) => {
-        sized!(@ $n, $block => $new, 1 2 3 4 5 6 7 8 9 10)
-    };
+    ($n:expr, $block:ident => $new:expr) => {{
+        #[cfg(not(target_family = "wasm"))]
+        let stepper = sized!(@ $n, $block => $new, 1 2 3 4 5 6 7 8 9 10);
+        #[cfg(target_family = "wasm")]
+        let stepper = sized!(@ $n, $block => $new,);
+        stepper
+    }};
     (@ $n:expr, $block:ident => $new:expr, $($size:literal)*) => {
         match $n {
-            $($size => { type $block = [[f64; $size]; 2]; Box::new($new) })*
+            $($size => { type $block = [[f64; $size]; 2]; Box::new($new) as Box<dyn OneStep> })*
             _ => { type $block = Box<[f64]>; Box::new($new) }
         }
     };

@@ -1,7 +1,6 @@
 //! One run: its error, its cost, or why there is none.
 
 use std::sync::Arc;
-use std::time::Instant;
 
 use super::{Candidate, Reference, WorkUnits};
 use crate::cause::Cause;
@@ -9,6 +8,7 @@ use crate::error::Error;
 use crate::mechanism::{Method, System};
 use crate::run::{Run, Work};
 use crate::simulate::{Settings, simulate};
+use crate::stopwatch::Stopwatch;
 use crate::trust::Warning;
 
 /// How a run is told to be more accurate.
@@ -121,11 +121,11 @@ fn paced(settings: &Settings, pace: AccuracyControl, reference: &Reference) -> S
 fn plain(system: &mut dyn System, settings: &Settings, repetitions: usize) -> Result<(Run, f64), Error> {
     let every = Some((settings.until - settings.from).max(f64::MIN_POSITIVE));
     let plain = Settings { every, instants: Arc::from([]), watch: false, ..settings.clone() };
-    let clock = Instant::now();
+    let clock = Stopwatch::start();
     let mut run = simulate(system, &plain)?;
     let mut least = run.seconds;
     for _ in 1..repetitions {
-        if clock.elapsed().as_secs_f64() > ENOUGH_TIME {
+        if clock.seconds() > ENOUGH_TIME {
             break;
         }
         run = simulate(system, &plain)?;

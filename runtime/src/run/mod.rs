@@ -94,7 +94,7 @@ pub struct Run {
     /// The length of the next step, s, and the least and largest values of [q; q'] so far; `None` at a fixed step.
     pub(crate) resumed: Option<(f64, [Vec<f64>; 2])>,
     pub(crate) sampling: Arc<Sampling>,
-    /// Time it took, s.
+    /// Time it took, s; 0 in a browser, where no clock is.
     pub seconds: f64,
     /// The largest eigenvalue of the system linearised at the start, 1/s; 0 where it is not known.
     pub(crate) fastest: f64,

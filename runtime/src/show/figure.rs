@@ -8,6 +8,7 @@ use super::compact::shortened;
 use super::legend;
 use super::lettering;
 use super::marks::{Pen, crosses, instants, slope};
+use super::vector::Vector;
 use super::{Chart, Style};
 use crate::error::Error;
 use plotters::coord::Shift;
@@ -80,7 +81,7 @@ impl Figure {
     pub fn to_svg(&self) -> String {
         let layout = self.layout();
         let mut svg = String::new();
-        let canvas = SVGBackend::with_string(&mut svg, layout.fine()).into_drawing_area();
+        let canvas = Vector::on(&mut svg, layout.fine()).into_drawing_area();
         draw(&canvas, &layout).expect("text in memory takes all that is drawn");
         drop(canvas);
         scaled_down(&svg, layout.size)

@@ -34,6 +34,7 @@ mod solids;
 mod stage;
 mod ticks;
 mod upright;
+mod vector;
 
 pub use animation::Animation;
 #[cfg(feature = "cli")]

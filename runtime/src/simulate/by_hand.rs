@@ -1,7 +1,6 @@
 //! A run that the caller moves on, for control loops.
 
 use std::ops::ControlFlow;
-use std::time::Instant;
 
 use super::{Settings, Start, fail, finish, start};
 use crate::cause::Cause;
@@ -10,6 +9,7 @@ use crate::driver::{Integration, StopReason};
 use crate::error::Error;
 use crate::mechanism::System;
 use crate::run::{Occurrence, Recorder, Run, State, Work};
+use crate::stopwatch::Stopwatch;
 
 /// A run under way.  Between steps the state, the parameters and the inputs may be changed.
 ///
@@ -34,7 +34,7 @@ pub struct Stepping<S: System> {
     horizon: f64,
     /// How the sides of contacts were placed and moved before the state or the system was changed; `None` where nothing was.
     changed: Option<Vec<Kinematics>>,
-    clock: Instant,
+    clock: Stopwatch,
 }
 
 /// The state of a run under way, to be changed.
@@ -52,7 +52,7 @@ impl<S: System> Stepping<S> {
     /// # Errors
     /// A setting without meaning, or [`Error::Run`] where no motion can begin.
     pub fn new(mut system: S, settings: Settings) -> Result<Self, Error> {
-        let clock = Instant::now();
+        let clock = Stopwatch::start();
         let dense = settings.dense;
         let settings = Settings { dense: false, ..settings };
         let Start { integration, recorder, outcome } = start(&mut system, &settings, f64::INFINITY)?;

@@ -3,7 +3,6 @@
 //! The part that has come least far takes the next step, so that all have gone about as far wherever a run ends.
 
 use std::ops::ControlFlow;
-use std::time::Instant;
 
 use super::{Settings, Start, finish, start};
 use crate::cause::Cause;
@@ -11,6 +10,7 @@ use crate::driver::{Integration, StopReason};
 use crate::error::Error;
 use crate::mechanism::{Method, OfPart, System};
 use crate::run::{Failure, PartRun, Recorder, Run, Together, instant, put_together};
+use crate::stopwatch::Stopwatch;
 
 /// A part with its settings.
 pub(super) type Part = (OfPart, Settings);
@@ -60,7 +60,7 @@ pub(super) fn simulate(
     settings: &Settings,
     progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Run, Error> {
-    let clock = Instant::now();
+    let clock = Stopwatch::start();
     let mut ended = None;
     let mut ways = Vec::with_capacity(parts.len());
     for (mut part, own) in parts {
@@ -106,7 +106,7 @@ pub(super) fn simulate(
         tolerance: settings.tolerance.max(Settings::TIGHTEST),
         dense: settings.dense,
         watch: settings.watch,
-        seconds: clock.elapsed().as_secs_f64(),
+        seconds: clock.seconds(),
     };
     let run = put_together(system, runs.collect(), &how);
     match ended {

@@ -22,7 +22,6 @@ mod typed;
 use std::borrow::Cow;
 use std::ops::ControlFlow;
 use std::sync::Arc;
-use std::time::Instant;
 
 pub use builder::Simulation;
 pub(crate) use builder::{Described, Origin};
@@ -44,6 +43,7 @@ use crate::events::{Ticks, begin_at};
 use crate::integrate::Tolerance;
 use crate::mechanism::{Action, Enforcement, Method, RowHistory, Stabilisation, System};
 use crate::run::{Failure, Plan, Recorder, Run};
+use crate::stopwatch::Stopwatch;
 use crate::trust::{Warning, check_step, explain_lock, positive_inertia};
 
 /// Runs a mechanism.
@@ -98,7 +98,7 @@ fn together(
     settings: &Settings,
     progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Run, Error> {
-    let clock = Instant::now();
+    let clock = Stopwatch::start();
     let Start { mut integration, mut recorder, outcome } = start(system, settings, settings.spacing())?;
     let outcome = outcome.and_then(|()| integration.advance(system, settings.until, &mut recorder, progress));
     match outcome {
@@ -299,15 +299,15 @@ fn enough_steps(system: &dyn System, settings: &Settings, step: f64) -> Result<(
     }
 }
 
-fn finish(system: &dyn System, integration: &Integration, mut recorder: Recorder, clock: Instant) -> Run {
+fn finish(system: &dyn System, integration: &Integration, mut recorder: Recorder, clock: Stopwatch) -> Run {
     integration.warnings(system).into_iter().for_each(|warning| recorder.warn(warning));
     recorder.constrained(integration.residuals());
     recorder.swept(integration.swept());
     recorder.ticked(integration.next_ticks(), integration.resumed());
-    recorder.finish(system, integration.time(), integration.state(), integration.work(), clock.elapsed().as_secs_f64())
+    recorder.finish(system, integration.time(), integration.state(), integration.work(), clock.seconds())
 }
 
-fn fail(cause: Cause, system: &dyn System, integration: &Integration, recorder: Recorder, clock: Instant) -> Error {
+fn fail(cause: Cause, system: &dyn System, integration: &Integration, recorder: Recorder, clock: Stopwatch) -> Error {
     let cause = recorder.explain(system, cause);
     let cause = explain_lock(system, integration.time(), integration.state().y, cause);
     let state = recorder.state(integration.time(), integration.state().y, Vec::new());
