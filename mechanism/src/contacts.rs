@@ -208,6 +208,8 @@ impl Contacts {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use alloc::vec;
+    use alloc::vec::Vec;
 
     #[test]
     fn phases_count_combinations_of_modes() {

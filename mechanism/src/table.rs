@@ -53,6 +53,8 @@ impl Table {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use alloc::vec;
+    use alloc::vec::Vec;
 
     #[test]
     fn pieces_and_their_derivatives_are_polynomials() {

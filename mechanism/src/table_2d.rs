@@ -52,6 +52,7 @@ impl Table2d {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use alloc::vec;
 
     /// Between (0, 0) and (2, 3): 1 + 2 d + 3 d² e + e³; straight lines beyond.
     fn table() -> Table2d {
