@@ -20,7 +20,7 @@ pub(super) fn lengths(model: &Model, motion: &Motion, states: &[State]) -> Resul
     for rotation in &model.rotations {
         let mut worst = 0.0;
         for state in states {
-            let Some(changes) = changes(motion, rotation, state) else { continue };
+            let Some(changes) = changes(model, motion, rotation, state) else { continue };
             let Some((coordinate, change)) = changes.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
             if change > UNCHANGED {
                 let what = match (0..4).map(|k| rotation.first + k).find(|k| *k == coordinate) {
@@ -39,7 +39,7 @@ pub(super) fn lengths(model: &Model, motion: &Motion, states: &[State]) -> Resul
 
 /// How much each acceleration changes, as a part of its terms; of the rotation itself its angular acceleration, under its first coordinate.
 /// Nothing where another length has no motion.
-fn changes(motion: &Motion, rotation: &RotationCoordinate, state: &State) -> Option<Vec<(usize, f64)>> {
+fn changes(model: &Model, motion: &Motion, rotation: &RotationCoordinate, state: &State) -> Option<Vec<(usize, f64)>> {
     let own = rotation.first..rotation.first + 4;
     let mut scaled = state.clone();
     let factor = DoubleDouble::from(FACTOR);
@@ -53,28 +53,34 @@ fn changes(motion: &Motion, rotation: &RotationCoordinate, state: &State) -> Opt
         if change == 0.0 { 0.0 } else { change / terms }
     };
     let others = (0..motion.n).filter(|k| !own.contains(k));
-    let mut changes: Vec<(usize, f64)> = others
-        .map(|k| (k, part(scaled.a[k].value - state.a[k].value, scaled.a[k].magnitude.max(state.a[k].magnitude))))
-        .collect();
-    let [here, there] = [state, &scaled].map(|state| angular_acceleration(state, rotation.first));
-    changes.extend(
-        here.iter().zip(&there).map(|((a, size), (b, other))| (rotation.first, part(*a - *b, size.max(*other)))),
-    );
+    let terms = |k: usize| scaled.a[k].magnitude.max(state.a[k].magnitude);
+    // What is held is held to rounding, beside what has the same unit.
+    let unit = |k: usize| &model.coordinates[k].unit;
+    let alike = |k: usize| (0..motion.n).filter(|j| unit(*j) == unit(k)).map(terms).fold(0.0, f64::max);
+    let mut changes: Vec<(usize, f64)> =
+        others.map(|k| (k, part(scaled.a[k].value - state.a[k].value, alike(k)))).collect();
+    let [(here, size), (there, other)] = [state, &scaled].map(|state| angular_acceleration(state, rotation.first));
+    let changed = |(a, b): (&DoubleDouble, &DoubleDouble)| (rotation.first, part(*a - *b, size.max(other)));
+    changes.extend(here.iter().zip(&there).map(changed));
     Some(changes)
 }
 
-/// The vector part of 2 q̄ ∘ q''/|q|², with the magnitudes of its terms.
-fn angular_acceleration(state: &State, first: usize) -> [(DoubleDouble, f64); 3] {
+/// The vector part of 2 q̄ ∘ q''/|q|², with the magnitude of the terms of its largest component: of what turns about an axis the others are
+/// roundings of roundings.
+fn angular_acceleration(state: &State, first: usize) -> ([DoubleDouble; 3], f64) {
     let q: [DoubleDouble; 4] = std::array::from_fn(|k| state.q[first + k]);
     let a: [Measured; 4] = std::array::from_fn(|k| state.a[first + k]);
     let square = q.iter().fold(DoubleDouble::ZERO, |sum, x| sum + *x * *x);
     let two = DoubleDouble::from(2.0) / square;
     // w a - x b + (z c - y d) and its neighbours in cyclic order.
-    std::array::from_fn(|i| {
+    let mut most = 0.0;
+    let components = std::array::from_fn(|i| {
         let (i, j, k) = (i + 1, (i + 1) % 3 + 1, (i + 2) % 3 + 1);
         let terms = [(q[0], a[i]), (-q[i], a[0]), (q[k], a[j]), (-q[j], a[k])];
         let sum = terms.iter().fold(DoubleDouble::ZERO, |sum, (x, y)| sum + *x * y.value);
         let size: f64 = terms.iter().map(|(x, y)| x.to_f64().abs() * y.magnitude).sum();
-        (two * sum, two.to_f64() * size)
-    })
+        most = f64::max(most, two.to_f64() * size);
+        two * sum
+    });
+    (components, most)
 }
