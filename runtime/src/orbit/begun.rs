@@ -272,7 +272,15 @@ impl Begun {
             .map(|event| laps.system.description().events[event].name.to_string());
         let events: Vec<String> = events.collect();
         let part = lcm(laps.closing.order(), laps.laps) / laps.laps;
-        let returns = self.misses(&solution)?;
+        let missed = self.misses(&solution)?;
+        let returns = missed.iter().map(|(_, part)| *part).fold(0.0, f64::max);
+        // What a plain run is off by grows as small changes do.
+        let grows = found.multipliers.iter().map(|polar| polar.log).fold(0.0, f64::max);
+        if returns > FOLLOWS * (grows * self.laps.laps as f64).exp() || returns.is_nan() {
+            let start = start.into_iter().map(|value| (value.name, value.value)).collect();
+            let off = |(i, part): (usize, f64)| (names[i].clone(), part * self.laps.scales[i]);
+            return Err(NoOrbit::Stuck { residuals: missed.into_iter().map(off).collect(), start }.into());
+        }
         let (run, _) = self.plain(&solution, part * self.laps.laps)?;
         let laps = &self.laps;
         Ok(Orbit {
@@ -296,7 +304,7 @@ impl Begun {
     }
 
     /// How far plain runs of all laps miss their starts, but for shifts, in parts of how far each number goes.
-    fn misses(&mut self, solution: &Solution) -> Result<f64, Error> {
+    fn misses(&mut self, solution: &Solution) -> Result<Vec<(usize, f64)>, Error> {
         let laps = &mut self.laps;
         let (n, count) = (laps.n(), laps.laps);
         let lap = duration_of_lap(solution) / count as f64;
@@ -314,8 +322,8 @@ impl Begun {
             from = if laps.time == Time::Event { laps.settings.from } else { last.t };
         }
         let start = &solution.trial.pieces[0].start.y;
-        let apart = |i: usize| (y[i] - start[i]).abs() / laps.scales[i];
-        Ok((0..2 * n).filter(|i| !laps.closing.shifts.contains(i)).map(apart).fold(0.0, f64::max))
+        let apart = |i: usize| (i, (y[i] - start[i]).abs() / laps.scales[i]);
+        Ok((0..2 * n).filter(|i| !laps.closing.shifts.contains(i)).map(apart).collect())
     }
 
     /// Names of directions in which there are other such motions.
