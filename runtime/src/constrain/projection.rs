@@ -1,8 +1,8 @@
 //! States brought back to the constraints.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
-use crate::mechanism::dense::constraint_matrix;
+use crate::mechanism::dense::{SECOND_ROUNDING, constraint_matrix, sizes_alike};
 use crate::mechanism::{At, KktSolver, Singular, System};
 
 /// Brings states back to the constraints that are active, by the least change in the metric of M.
@@ -282,16 +282,23 @@ impl Projection {
 
     /// The active row that the last state misses by far more than rounding and what its rate makes of `late` seconds, and by how
     /// much; none where nothing brings states back.
-    pub fn lost<S: System + ?Sized>(&self, system: &S, late: f64) -> Option<(usize, f64)> {
+    pub fn lost<S: System + ?Sized>(&self, system: &S, place: At<'_>, late: f64) -> Option<(usize, f64)> {
         if !self.corrects {
             return None;
         }
+        // Where all terms of a row are rounding of what is zero, that of the coordinates tells how far off it may be.
+        let is_rounding = |row: usize, c: f64| {
+            let sizes = DVector::from_vec(sizes_alike(system.description(), place.q));
+            let moved = constraint_matrix(system, place, &[row]).abs() * sizes;
+            c.abs() <= SECOND_ROUNDING * moved[0]
+        };
         let mut active = system.active_rows().iter().map(|row| *row as usize);
         active.find_map(|row| {
             let moved = 2.0 * late * self.triples[3 * row + 1].abs();
             let missed = self
                 .misses(row)
-                .filter(|c| system.description().rows[row].holonomic && (c.is_nan() || c.abs() > moved));
+                .filter(|c| system.description().rows[row].holonomic && (c.is_nan() || c.abs() > moved))
+                .filter(|c| !is_rounding(row, *c));
             missed.map(|c| (row, c))
         })
     }

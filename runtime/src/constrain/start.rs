@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::cause::Cause;
 use crate::matrix::solve_least;
-use crate::mechanism::dense::{constraint_matrix, constraint_triples, mass_matrix, sizes_alike};
+use crate::mechanism::dense::{SECOND_ROUNDING, constraint_matrix, constraint_triples, mass_matrix, sizes_alike};
 use crate::mechanism::{At, System};
 
 /// What is known of a start: values, and which of them are held.
@@ -264,9 +264,11 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
             let shares = (0..n).filter(|i| inertia[*i] > 0.0).map(|i| j[(k, i)] * j[(k, i)] / inertia[i]);
             shares.sum::<f64>().sqrt()
         };
+        // And what is at rest but for rounding moves in a second by less than rounding of the rounding of its place.
+        let nothing = j.abs() * self.sizes(y).rows(0, n) * SECOND_ROUNDING;
         for (k, row) in self.rows.iter().enumerate() {
             let residual = triples[*row][1];
-            let negligible = (MISSED * terms[k]).max(ROUNDED * quick * eased(k));
+            let negligible = (MISSED * terms[k]).max(ROUNDED * quick * eased(k)).max(nothing[k]);
             if residual.abs() > negligible || residual.is_nan() {
                 return Err(Cause::StartMissesConstraint { constraint: self.name(*row), residual }.into());
             }

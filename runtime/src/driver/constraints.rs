@@ -93,10 +93,11 @@ impl Integration {
             return if stays { Err(Cause::SingularConfiguration { sigma }.into()) } else { Ok(()) };
         }
         self.dwell = SingularDwell::default();
-        if projection.passed(system, At::place(now, &y[..system.len()]), usual) {
+        let place = At::place(now, &y[..system.len()]);
+        if projection.passed(system, place, usual) {
             recorder.warn(Warning::SingularPassed { t: now });
         }
-        match projection.lost(system, 0.0) {
+        match projection.lost(system, place, 0.0) {
             Some((row, residual)) => {
                 let constraint = system.description().rows[row].name.to_string();
                 Err(Cause::ConstraintLost { constraint, residual }.into())

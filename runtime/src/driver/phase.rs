@@ -231,8 +231,9 @@ impl Integration {
     ) -> Result<(), Box<Cause>> {
         let Some(projection) = self.projection.as_mut().filter(|_| !is_sprung(system)) else { return Ok(()) };
         let now = self.clock.now();
-        projection.observe(system, now, self.stepper.start().y);
-        if let Some((row, residual)) = projection.lost(system, late) {
+        let y = self.stepper.start().y;
+        projection.observe(system, now, y);
+        if let Some((row, residual)) = projection.lost(system, At::place(now, &y[..system.len()]), late) {
             let constraint = system.description().rows[row].name.to_string();
             return Err(Cause::ConstraintLost { constraint, residual }.into());
         }

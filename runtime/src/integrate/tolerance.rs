@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use crate::mechanism::dense::SECOND_ROUNDING;
 use crate::mechanism::{Coordinate, Description};
 
 /// The tolerance as a norm: an error of component i counts in units of ε wᵢ, where w follows the motion itself.
@@ -205,8 +206,8 @@ impl Tolerance {
         }
         let (low, high) = (self.low[k], self.high[k]);
         let (widest, raised) = if k < self.n { (self.widest[k], self.raised[k]) } else { (f64::INFINITY, 0.0) };
-        let of_rounding = f64::EPSILON * self.largest[self.first_alike(k)];
-        let rounding = larger(ROUNDING * larger(larger(high.abs(), low.abs()), of_rounding), raised);
+        let of_rounding = SECOND_ROUNDING * self.largest[self.first_alike(k)];
+        let rounding = larger(larger(ROUNDING * larger(high.abs(), low.abs()), of_rounding), raised);
         let range = if high - low > widest { widest } else { high - low };
         // Where all of it is zero an error of zero must count as none.
         larger(larger(self.relative * range, rounding), larger(self.start_up_errors[k], LEAST))

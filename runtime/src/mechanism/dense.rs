@@ -85,6 +85,9 @@ pub(crate) fn constraint_triples<S: System + ?Sized>(system: &S, at: At<'_>) -> 
     triples.as_chunks().0.to_vec()
 }
 
+/// 200 u² of what has the same unit: what a mechanism that stays in a plane, or at a place, has across it is rounding of rounding.
+pub(crate) const SECOND_ROUNDING: f64 = 100.0 * f64::EPSILON * f64::EPSILON;
+
 /// The largest size of a coordinate, or of its speed, among those with the same unit: what its rounding is judged by.
 pub(crate) fn sizes_alike(description: &Description, numbers: &[f64]) -> Vec<f64> {
     let coordinates = &description.coordinates;
