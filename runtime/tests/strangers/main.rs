@@ -13,6 +13,7 @@ mod printing;
 mod reactions;
 mod slow;
 mod warnings;
+mod zero;
 
 use std::path::{Path, PathBuf};
 

@@ -20,7 +20,7 @@ use super::steady::Speeds;
 #[cfg(feature = "modal")]
 use super::tangent;
 use super::trim::Trim;
-use super::{Place, bodies, failed, integrals, notes, pictures, report, state_space, varying};
+use super::{Place, bodies, contacts, failed, integrals, notes, pictures, report, state_space, varying};
 use crate::linear::{LinearError, linearise_constrained, short};
 #[cfg(feature = "modal")]
 use crate::linear::{linearise_driven, linearise_tangent, turns_as_a_whole};
@@ -108,8 +108,9 @@ pub fn run(
     let more = driven.iter().flat_map(Driven::notes).chain(locus.iter().flat_map(Locus::notes));
     let untried = integrals::notes(system, &found.linear.equilibrium, locus.as_ref());
     let varying = varying::notes(system, &found.linear.equilibrium, system.scene(scene).until);
-    let told: Vec<String> =
-        untried.into_iter().chain(varying).chain(notes(&found.linear, &modes)).chain(more).collect();
+    let touching = contacts::notes(system, &found.linear.equilibrium);
+    let told = touching.into_iter().chain(untried).chain(varying).chain(notes(&found.linear, &modes)).chain(more);
+    let told: Vec<String> = told.collect();
     for note in &told {
         eprintln!("warning: {note}");
     }
@@ -188,7 +189,7 @@ fn by_departures(
     model.map_or(Ok(()), |model| state_space::of_model(loaded, options, reader, model, &mut written))?;
     let untried = integrals::notes(system, &found.equilibrium, locus.as_ref());
     let more = driven.iter().flat_map(Driven::notes).chain(locus.iter().flat_map(Locus::notes));
-    for note in untried.into_iter().chain(more) {
+    for note in contacts::notes(system, &found.equilibrium).into_iter().chain(untried).chain(more) {
         eprintln!("warning: {note}");
     }
     if options.get_flag("json") {

@@ -2,6 +2,7 @@
 
 mod bodies;
 mod constrained;
+mod contacts;
 mod damping;
 mod drive;
 mod for_programs;
@@ -90,7 +91,9 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     let more = driven.iter().flat_map(Driven::notes).chain(locus.iter().flat_map(Locus::notes));
     let untried = integrals::notes(system, &linear.equilibrium, locus.as_ref());
     let varying = varying::notes(system, &linear.equilibrium, system.scene(scene).until);
-    let told: Vec<String> = untried.into_iter().chain(varying).chain(notes(&linear, &modes)).chain(more).collect();
+    let touching = contacts::notes(system, &linear.equilibrium);
+    let told = touching.into_iter().chain(untried).chain(varying).chain(notes(&linear, &modes)).chain(more);
+    let told: Vec<String> = told.collect();
     for note in &told {
         eprintln!("warning: {note}");
     }

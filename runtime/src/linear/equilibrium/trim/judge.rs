@@ -115,9 +115,13 @@ impl Search {
         (0..self.unknowns.len()).map(rounding).collect()
     }
 
-    /// What rounding makes of each value; refuses one that it leaves no digits of.
-    pub(super) fn known_uncertainties(&self, from: &[f64]) -> Result<Vec<f64>, LinearError> {
+    /// What rounding makes of each value; refuses one that it leaves no digits of, and one that is 0 as far as it is known and does not serve as 0.
+    pub(super) fn known_uncertainties(&mut self, from: &[f64]) -> Result<Vec<f64>, LinearError> {
         let uncertainties = self.uncertainties();
+        let nothing: Vec<bool> = (0..from.len()).map(|k| self.values[k].abs() <= uncertainties[k]).collect();
+        if let Some(error) = self.left_without(&nothing) {
+            return Err(error);
+        }
         let unknown =
             |k: &usize| from[*k] != 0.0 && uncertainties[*k] > UNKNOWN * from[*k].abs().max(self.values[*k].abs());
         match (0..from.len()).find(unknown) {
@@ -126,5 +130,22 @@ impl Search {
             }
             None => Ok(uncertainties),
         }
+    }
+
+    /// Why it does not rest with 0 in the place of these values; `None` where it does.
+    fn left_without(&mut self, nothing: &[bool]) -> Option<LinearError> {
+        let found = self.unknowns();
+        let mut without = found.clone();
+        let first = without.len() - nothing.len();
+        without[first..].iter_mut().zip(nothing).filter(|(_, nothing)| **nothing).for_each(|(value, _)| *value = 0.0);
+        self.set(&without);
+        let error = (!self.is_met(BALANCED)).then(|| LinearError::CannotHold {
+            holds: self.held.iter().map(|i| self.coordinate(*i)).collect(),
+            unknowns: self.unknowns.iter().map(|unknown| self.name(*unknown)).collect(),
+            point: self.place(),
+            residual: self.forces_left(),
+        });
+        self.set(&found);
+        error
     }
 }

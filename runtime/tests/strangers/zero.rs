@@ -1,0 +1,82 @@
+//! What is zero but for rounding, beside what is not: in space, at rest, at the end of a search.
+
+use serde_json::Value;
+
+use super::{case, folder, printed, program, stranger, text_of};
+
+/// About an axis of the ground quaternion and rates have components that are roundings of roundings.
+#[test]
+fn what_is_across_a_hinge_takes_no_steps() {
+    let run = case(&text_of("hinge_across")).run();
+    assert!(run.work.steps < 200, "{} steps", run.work.steps);
+    // J θ'' = m g h cos θ, J = 1.2 I + m h²: from rest (J/2) ω² = m g h sin θ, with the height of the centre h sin θ.
+    let (w, z) = (run.last()["w.y"], run.last()["z"]);
+    assert!((0.5 * 0.032 * w * w + 2.0 * 9.81 * z).abs() < 1e-9, "{w} {z}");
+    assert!(run.last()["y"].abs() < 1e-20);
+}
+
+#[test]
+fn a_wheel_turns_on_an_axle_along_an_axis_of_the_ground() {
+    let run = case(&text_of("wheel_on_axle")).run();
+    assert!((run.last()["w.z"] - 5.0).abs() < 1e-10);
+}
+
+#[test]
+fn a_universal_joint_along_an_axis_of_the_ground_is_kept() {
+    let run = case(&text_of("cross_of_joint")).run();
+    assert!((run.last()["z"] + 0.082_056).abs() < 1e-6, "{}", run.last()["z"]);
+}
+
+/// A block that has come to rest has a speed of some 10⁻⁶³, which a run that goes on meets.
+#[test]
+fn a_block_that_has_stopped_stays_where_it_is() {
+    let saved = folder("stopped").join("s.txt");
+    let saved = saved.to_str().expect("a path");
+    for speed in ["2", "2.5", "3", "3.7", "4"] {
+        let start = format!("x'={speed}");
+        printed("simulate", "block_stops", &["--start", &start, "--until", "2", "--save", saved]);
+        let told = printed("simulate", "block_stops", &["--state", saved, "--until", "3", "--json"]);
+        let json: Value = serde_json::from_str(&told).expect("JSON");
+        let expected = speed.parse::<f64>().expect("a number").powi(2) / 6.0;
+        let x = json["final"]["x"].as_f64().expect("a number");
+        assert!((x - expected).abs() < 1e-9, "{speed}: {x} {expected}");
+    }
+}
+
+#[test]
+fn a_rest_that_a_contact_cannot_hold_is_told() {
+    let warned = |name: &str, more: &[&str]| {
+        let json: Value = serde_json::from_str(&printed("modes", name, &[more, &["--json"]].concat())).expect("JSON");
+        json["warnings"].to_string()
+    };
+    assert!(warned("through_floor", &[]).contains("`floor` (open): its sides pass through each other by 0.931 m"));
+    assert!(warned("held_by_floor", &["--phase", "floor closed"]).contains("pull at each other with 5.19 N"));
+    assert!(!warned("through_floor", &["--phase", "floor closed"]).contains("floor"));
+}
+
+#[test]
+fn a_hold_that_no_force_meets_is_refused() {
+    let path = stranger("level_by_pull");
+    let trim = |angle: &str| {
+        let hold = format!("th={angle}");
+        program(&["modes", path.to_str().expect("a path"), "--hold", &hold, "--solve", "F", "--json"])
+    };
+    let refused = trim("90deg").unwrap_err();
+    assert!(refused.contains("with which it rests with `th` held") && refused.contains("th: 10 N m"), "{refused}");
+    // 10 N tan θ.
+    let found: Value = serde_json::from_str(&trim("80deg").expect("a trim")).expect("JSON");
+    let force = found["trim"].to_string();
+    assert!(force.contains("56.71281819617"), "{force}");
+    assert!(trim("0").is_ok());
+}
+
+#[test]
+fn a_motion_that_a_plain_run_does_not_close_is_no_orbit() {
+    let path = stranger("resonance");
+    let orbit = |frequency: &str| program(&["orbit", path.to_str().expect("a path"), "--set", frequency, "--json"]);
+    assert!(orbit("W=2").unwrap_err().contains("the motion misses by"));
+    // x = A/(m (ω² − W²)) sin W t.
+    let found: Value = serde_json::from_str(&orbit("W=3").expect("an orbit")).expect("JSON");
+    let rate = found["start"]["x'"]["value"].as_f64().expect("a number");
+    assert!((rate - 3.0 / (4.0 - 9.0)).abs() < 1e-10, "{rate}");
+}
