@@ -10,9 +10,9 @@ use serde_json::Value;
 /// A cart with a pendulum, a motor with a current, a rod of its own length, and an input that lifts a table.
 const CART: &str = "
 name: Cart
-parameters: {M: 2 kg, m: 1 kg, l: 0.5 m, g: 9.81 m/s^2, R: 3 ohm, L: 0.2 H, k: 0.7 N/A}
+parameters: {M: 2 kg, m: 1 kg, l: 0.5 m, g: 9.81 m/s^2, R: 3 ohm, L: 0.2 H, k: 0.7 N/A, W: 3 rad/s}
 coordinates: {x: m, theta: rad}
-inputs: {volts: 4*sin(3*t)}
+inputs: {volts: 4*sin(W*t)}
 states: {i: {unit: A, rate: (volts - R*i - k*x')/L}}
 bodies:
   cart: {mass: M, position: '[x, 0]'}
@@ -111,7 +111,7 @@ scene: {start: {x: 1.2, y: -1.6, x': 0.8, y': 0.6}}
 
 #[test]
 fn the_command_runs_the_scene_until_then() {
-    let (outcome, text) = modes(CART, "json", &["--at-time", "400 ms", "--json", "--out", "theta"]);
+    let (outcome, text) = modes(CART, "json", &["--at-time", "400 ms", "--json"]);
     outcome.unwrap();
     let json: Value = serde_json::from_str(&text).expect("JSON");
     let number = |value: &Value| value.as_f64().expect("a number");

@@ -59,9 +59,9 @@ pub(crate) const PERTURBATION: f64 = 4.0 * f64::EPSILON;
 pub(crate) const LEAST: f64 = 1e-100;
 /// Errors are explained by up to so many times the measured noise.
 const EXPLAINED: f64 = 8.0;
-/// Which part of the unit they then are at most: a controller with its safety factor of 0.8 lets a step grow where the error of a method of
-/// order 8 is less than 0.8⁸ = 0.17 of what it may be, and rounding, which is the same part of its unit in steps of any length, must not hold it.
-const GROWS: f64 = 0.1;
+/// By so much the unit of what stays where it is, but for rounding, is larger: explained errors are a tenth of it then.  A controller lets a step grow
+/// where the error of a method of order 8 is below 0.8⁸ = 0.17 of its unit, and noise, which is the same part of it in steps of any length, would hold it.
+const STAYS: f64 = 5.0;
 
 /// For each coordinate the first that has its unit.
 pub(super) fn alike(mechanism: &Description) -> Vec<usize> {
@@ -120,7 +120,10 @@ impl Tolerance {
         if self.is_clear {
             return usual;
         }
-        let noise = if k < self.n { h.abs() * (h.abs() * self.noise[k]) } else { h.abs() * self.noise[k - self.n] };
+        let i = if k < self.n { k } else { k - self.n };
+        let stays = self.high[i] - self.low[i] <= ROUNDING * self.largest[self.group[i]];
+        let noise = h.abs() * if stays { STAYS * self.noise[i] } else { self.noise[i] };
+        let noise = if k < self.n { h.abs() * noise } else { noise };
         larger(usual, larger(noise, self.constraint_round_off[k]))
     }
 
@@ -242,7 +245,7 @@ impl Tolerance {
         if errors[1] > EXPLAINED * explains || errors[0] > (EXPLAINED * h.abs() * explains).max(floor) {
             return;
         }
-        self.noise[i] = self.noise[i].max(EXPLAINED / GROWS * change);
+        self.noise[i] = self.noise[i].max(2.0 * EXPLAINED * change);
         self.clear_up();
         // That of another one's place, or of its own.
         self.raised[i] = self.raised[i].max(floor);
@@ -266,7 +269,7 @@ impl Tolerance {
     /// larger than the noise of any acceleration explains, have that noise.
     pub fn spread_noise(&mut self, errors: &[f64], h: f64) {
         let noise = self.noise.iter().fold(0.0_f64, |most, noise| most.max(*noise));
-        let explained = GROWS * h.abs() * noise;
+        let explained = 0.5 * h.abs() * noise;
         for i in 0..self.n {
             let rests = self.low[i] == self.high[i] && self.low[self.n + i] == self.high[self.n + i];
             if rests && errors[i].abs() <= h.abs() * explained && errors[self.n + i].abs() <= explained {

@@ -13,6 +13,8 @@ use crate::run::{Junction, Side, SpeedJump};
 const TOUCHES: f64 = 1e-6;
 /// Guards that are crossed together, and move apart by more than this part of what they move, decide by their order what follows.
 const TOGETHER: f64 = 1e-6;
+/// A speed is rounding below this part of the largest of the motion.
+const ROUNDED: f64 = 1e-12;
 
 /// Columns of a state: slopes of [q; q'], and the parameter that changes in each.
 #[derive(Clone, Debug)]
@@ -114,7 +116,9 @@ pub(super) fn cross(
         strike(system, (t, &mut y), jump, columns, &shifts)?;
     }
     let size = y[n..].iter().chain(&after.y[n..]).fold(0.0_f64, |most, v| most.max(v.abs()));
-    let kicked = y[n..].iter().zip(&after.y[n..]).any(|(v, after)| (v - after).abs() > TOGETHER * size);
+    // What has come to rest has speeds that are rounding of those that it had.
+    let least = (TOGETHER * size).max(ROUNDED * speeds.iter().fold(0.0, |most, v| f64::max(most, *v)));
+    let kicked = y[n..].iter().zip(&after.y[n..]).any(|(v, after)| (v - after).abs() > least);
     if kicked {
         return Err(NoSlopes::Kick { t });
     }

@@ -107,15 +107,13 @@ impl<'a> Instant<'a> {
         // Nothing depends on the hidden coordinate of a state.
         let states: Vec<usize> = (0..first).chain(n..2 * n).collect();
         let (mut a, mut c) = (DMatrix::zeros(states.len(), states.len()), DMatrix::zeros(answers.len(), states.len()));
-        let mut unit_vector = vec![0.0; n];
+        let mut along = vec![0.0; 2 * n];
         for (column, state) in states.iter().enumerate() {
-            unit_vector[state % n] = 1.0;
-            let along = match *state < n {
-                true => Along { q: &unit_vector, ..Along::default() },
-                false => Along { v: &unit_vector, ..Along::default() },
-            };
-            self.response.column(self.system, self.at, &along).map_err(|fault| self.no_accelerations(fault))?;
-            unit_vector[state % n] = 0.0;
+            along[*state] = 1.0;
+            let (q, v) = along.split_at(n);
+            let direction = Along { q, v, ..Along::default() };
+            self.response.column(self.system, self.at, &direction).map_err(|fault| self.no_accelerations(fault))?;
+            along[*state] = 0.0;
             if (n..n + first).contains(state) {
                 a[(state - n, column)] = 1.0;
             }
