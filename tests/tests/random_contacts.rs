@@ -1,4 +1,4 @@
-//! Drawn mechanisms with contacts against time stepping: the quick form of `docs/random-contacts.md`.
+//! Drawn mechanisms with contacts against time stepping.
 
 use dalembert_tests::at_once::at_once;
 use dalembert_tests::random_contacts::{KINDS, Verdict, draw, judge};
