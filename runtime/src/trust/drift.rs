@@ -1,5 +1,6 @@
 //! Drift of what should be conserved.
 
+use crate::mechanism::dense::{SECOND_ROUNDING, mass_matrix, sizes_alike};
 use crate::mechanism::{At, Description, System};
 
 /// How far a conserved quantity went from its first value.
@@ -80,6 +81,7 @@ impl Monitor {
         system.invariants(At::packed(t, y, n), &mut pairs);
         let invariants = pairs.chunks_exact(2).map(|pair| Watched::new(pair[0], pair[1])).collect();
         let (balance, scale) = balance(system, At::packed(t, y, n), done);
+        let scale = scale.max(least_energy(system, At::packed(t, y, n)));
         Monitor { n, switched: 0.0, before: 0.0, balance: Watched::new(balance, scale), invariants, pairs }
     }
 
@@ -148,6 +150,14 @@ impl Monitor {
         }
         drifts
     }
+}
+
+/// The energy of what moves in a second by rounding of rounding of its place: what is at rest but for that has none.
+fn least_energy<S: System + ?Sized>(system: &S, at: At<'_>) -> f64 {
+    let sizes = sizes_alike(system.description(), at.q);
+    let inertia = mass_matrix(system, at).diagonal();
+    let whole: f64 = inertia.iter().zip(&sizes).map(|(inertia, size)| inertia.abs() * size * size).sum();
+    if whole.is_finite() { SECOND_ROUNDING * whole } else { 0.0 }
 }
 
 /// J − W and the sum of the absolute values of its terms.

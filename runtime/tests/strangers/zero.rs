@@ -41,6 +41,7 @@ fn a_block_that_has_stopped_stays_where_it_is() {
         let expected = speed.parse::<f64>().expect("a number").powi(2) / 6.0;
         let x = json["q"]["x"].as_f64().expect("a number");
         assert!((x - expected).abs() < 1e-9, "{speed}: {x} {expected}");
+        assert_eq!(json["warnings"], serde_json::json!([]), "{speed}");
     }
 }
 
