@@ -6,7 +6,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use dalembert::mechanism::Equations;
+use dalembert::mechanism::Mechanism;
 
 dalembert::model!("chain.yaml", n = 1, name = Chain1);
 dalembert::model!("chain.yaml", n = 2, name = Chain2);
