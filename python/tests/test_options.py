@@ -37,6 +37,11 @@ ELSEWHERE = {
     "resume",
     "log",
     "merge",
+    # Matrices for programs of control: `linearise` has those about a rest.
+    "state-space",
+    "in",
+    "out",
+    "at-time",
 }
 
 
