@@ -37,9 +37,9 @@ mod list;
 mod motion;
 mod noise;
 mod real;
-mod sampling;
 #[cfg(feature = "alloc")]
-mod scene;
+mod runs;
+mod sampling;
 mod series;
 mod solve;
 mod table;
@@ -67,11 +67,11 @@ pub use noise::Noise;
 #[doc(hidden)]
 pub use noise::normal;
 pub use real::Real;
+#[cfg(feature = "alloc")]
+pub use runs::{Mechanism, Scene};
 #[doc(hidden)]
 pub use sampling::NO_SAMPLING;
 pub use sampling::{Clock, Sampling, Target, Trigger};
-#[cfg(feature = "alloc")]
-pub use scene::{Mechanism, Scene};
 #[doc(hidden)]
 pub use series::{Place, Recurrence, Series};
 pub use solve::SingularMass;
