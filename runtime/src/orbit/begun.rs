@@ -276,7 +276,7 @@ impl Begun {
         let returns = missed.iter().map(|(_, part)| *part).fold(0.0, f64::max);
         // What a plain run is off by grows as small changes do.
         let grows = found.multipliers.iter().map(|polar| polar.log).fold(0.0, f64::max);
-        if returns > FOLLOWS * (grows * self.laps.laps as f64).exp() || returns.is_nan() {
+        if returns > FOLLOWS * (grows * self.laps.laps as f64).exp() {
             let start = start.into_iter().map(|value| (value.name, value.value)).collect();
             let off = |(i, part): (usize, f64)| (names[i].clone(), part * self.laps.scales[i]);
             return Err(NoOrbit::Stuck { residuals: missed.into_iter().map(off).collect(), start }.into());

@@ -60,12 +60,9 @@ pub fn of_states(
 ) -> Result<(), Problem> {
     let Some(path) = options.get_one::<String>("state-space") else { return Ok(()) };
     let system = &*loaded.system;
-    let known = &system.description().inputs;
     let mut chosen = Vec::new();
     for name in inputs(loaded, options) {
-        let Some(place) = known.iter().position(|input| **input == *name) else {
-            return Err(super::super::set_up::unknown("input", &name, known.iter().map(|name| &**name)));
-        };
+        let place = input_place(loaded, &name)?;
         chosen.push((place, input_unit(loaded, reader, &name)?));
     }
     let answers = answers(loaded, options)?;
@@ -85,12 +82,9 @@ pub fn of_instant(
     at: At<'_>,
     out: &mut dyn Write,
 ) -> Result<InputOutput, Problem> {
-    let known = &loaded.system.description().inputs;
     let mut drives = Vec::new();
     for name in inputs(loaded, options) {
-        let Some(place) = known.iter().position(|input| **input == *name) else {
-            return Err(super::super::set_up::unknown("input", &name, known.iter().map(|name| &**name)));
-        };
+        let place = input_place(loaded, &name)?;
         let unit = input_unit(loaded, reader, &name)?;
         drives.push(NamedDrive { drive: Source::Input(place).into(), name, unit });
     }
@@ -110,6 +104,13 @@ pub fn all_inputs(loaded: &Loaded, reader: &mut Reader, linear: &Linearised) -> 
         Ok(NamedDrive { drive: Source::Input(k).into(), name: name.clone(), unit })
     };
     linear.inputs.iter().enumerate().map(one).collect()
+}
+
+/// The place of an input of the model.
+fn input_place(loaded: &Loaded, name: &str) -> Result<usize, Problem> {
+    let known = &loaded.system.description().inputs;
+    let place = known.iter().position(|input| **input == *name);
+    place.ok_or_else(|| super::super::set_up::unknown("input", name, known.iter().map(|name| &**name)))
 }
 
 /// The unit of an input, SI; empty for a pure number and where it is not known.

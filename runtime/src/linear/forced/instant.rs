@@ -1,12 +1,12 @@
 //! Small departures from a motion, at one of its instants.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::input_output::rated;
 use super::observed::{Answer, chosen, named_answers};
 use super::{InputOutput, NamedDrive, Source};
 use crate::linear::LinearError;
-use crate::mechanism::{Along, At, System, rate_name};
+use crate::mechanism::{Along, At, Singular, System, rate_name};
 use crate::run::Names;
 use crate::show::unit;
 use crate::vary::Response;
@@ -73,14 +73,21 @@ struct Instant<'a> {
     by_inputs: DMatrix<f64>,
 }
 
+/// What inputs do, a column for each.
+struct Inputs {
+    names: Vec<[String; 2]>,
+    /// To the accelerations.
+    rates: DMatrix<f64>,
+    /// To the answers.
+    direct: DMatrix<f64>,
+}
+
 impl<'a> Instant<'a> {
     fn new(system: &'a dyn System, at: At<'a>) -> Result<Self, LinearError> {
         let description = system.description();
         let (n, rows, m) = (system.len(), description.rows.len(), 3 * description.inputs.len());
-        let singular =
-            |fault: crate::mechanism::Singular| LinearError::NoAccelerations(Box::new(fault.cause(description)));
         let mut response = Response::default();
-        response.stand(system, at).map_err(singular)?;
+        response.stand(system, at).map_err(|fault| no_accelerations(system, fault))?;
         response.take_jacobians(system, at);
         let full = at.accelerated(&response.a).constrained(&response.lambda);
         let mut outputs = DMatrix::zeros(description.output_len(), 3 * n + rows + m + 1);
@@ -112,7 +119,9 @@ impl<'a> Instant<'a> {
             along[*state] = 1.0;
             let (q, v) = along.split_at(n);
             let direction = Along { q, v, ..Along::default() };
-            self.response.column(self.system, self.at, &direction).map_err(|fault| self.no_accelerations(fault))?;
+            self.response
+                .column(self.system, self.at, &direction)
+                .map_err(|fault| no_accelerations(self.system, fault))?;
             along[*state] = 0.0;
             if (n..n + first).contains(state) {
                 a[(state - n, column)] = 1.0;
@@ -120,28 +129,9 @@ impl<'a> Instant<'a> {
             a.view_mut((first, column), (n, 1)).copy_from_slice(&self.response.da);
             c.set_column(column, &self.answers(answers, *state));
         }
-        let (mut names, mut b, mut d) = (Vec::new(), Vec::new(), Vec::new());
-        for NamedDrive { drive, name, unit } in drives {
-            let [(Source::Input(input), _)] = drive.parts.as_slice() else {
-                return Err(LinearError::NotAnInput { drive: name.clone() });
-            };
-            self.moves_no_constraint(*input, name)?;
-            for order in 0..3 {
-                let place = 3 * input + order;
-                let force: Vec<f64> = self.by_inputs.column(place).iter().map(|slope| -slope).collect();
-                self.response.of_force(self.system, self.at, &force).map_err(|fault| self.no_accelerations(fault))?;
-                let answer = self.answers(answers, 2 * n + self.response.a.len() + self.response.lambda.len() + place);
-                if order == 0 || force.iter().chain(answer.iter()).any(|x| *x != 0.0) {
-                    b.push(self.response.da.clone());
-                    d.push(answer);
-                    names.push(rated(name, unit, order));
-                }
-            }
-        }
-        let mut by_input = DMatrix::zeros(states.len(), names.len());
-        for (column, rates) in b.iter().enumerate() {
-            by_input.view_mut((first, column), (n, 1)).copy_from_slice(rates);
-        }
+        let Inputs { names, rates, direct } = self.inputs(drives, answers)?;
+        let mut b = DMatrix::zeros(states.len(), names.len());
+        b.rows_mut(first, n).copy_from(&rates);
         let named = |name: String| {
             let unit = unit(description, &name);
             [name, unit]
@@ -151,9 +141,8 @@ impl<'a> Instant<'a> {
             false => rate_name(&description.coordinates[state - n].name),
         };
         let outputs = answers.iter().map(|answer| named(answer.name(known))).collect();
-        if let Some(row) =
-            (0..answers.len()).find(|row| c.row(*row).iter().chain(d.iter().map(|d| &d[*row])).any(|x| !x.is_finite()))
-        {
+        let unknown = |row: &usize| c.row(*row).iter().chain(direct.row(*row).iter()).any(|x| !x.is_finite());
+        if let Some(row) = (0..answers.len()).find(unknown) {
             return Err(LinearError::NoSlope { answer: answers[row].name(known) });
         }
         Ok(InputOutput {
@@ -161,14 +150,43 @@ impl<'a> Instant<'a> {
             inputs: names,
             outputs,
             a,
-            b: by_input,
+            b,
             c,
-            d: if d.is_empty() { DMatrix::zeros(answers.len(), 0) } else { DMatrix::from_columns(&d) },
+            d: direct,
+        })
+    }
+
+    /// What inputs, and where they act their rates, do to accelerations and answers.
+    fn inputs(&mut self, drives: &[NamedDrive], answers: &[Answer]) -> Result<Inputs, LinearError> {
+        let n = self.system.len();
+        let (mut names, mut rates, mut direct) = (Vec::new(), Vec::new(), Vec::new());
+        for NamedDrive { drive, name, unit } in drives {
+            let [(Source::Input(input), _)] = drive.parts.as_slice() else {
+                return Err(LinearError::NotAnInput { drive: name.clone() });
+            };
+            self.moves_no_constraint(*input, name)?;
+            for order in 0..3 {
+                let place = 3 * input + order;
+                let force: Vec<f64> = self.by_inputs.column(place).iter().map(|slope| -slope).collect();
+                let solved = self.response.of_force(self.system, self.at, &force);
+                solved.map_err(|fault| no_accelerations(self.system, fault))?;
+                let answer = self.answers(answers, 3 * n + self.response.lambda.len() + place);
+                if order == 0 || force.iter().chain(answer.iter()).any(|x| *x != 0.0) {
+                    rates.extend_from_slice(&self.response.da);
+                    direct.extend_from_slice(answer.as_slice());
+                    names.push(rated(name, unit, order));
+                }
+            }
+        }
+        Ok(Inputs {
+            rates: DMatrix::from_vec(n, names.len(), rates),
+            direct: DMatrix::from_vec(answers.len(), names.len(), direct),
+            names,
         })
     }
 
     /// What the last direction, along this argument of the outputs by itself, does to all answers.
-    fn answers(&self, answers: &[Answer], argument: usize) -> nalgebra::DVector<f64> {
+    fn answers(&self, answers: &[Answer], argument: usize) -> DVector<f64> {
         let n = self.system.len();
         let answer = |answer: &Answer| match answer {
             Answer::Coordinate(i) => f64::from(*i == argument),
@@ -179,9 +197,10 @@ impl<'a> Instant<'a> {
                 slopes[argument] + carried.map(|(i, x)| slopes[2 * n + i] * x).sum::<f64>()
             }
         };
-        nalgebra::DVector::from_iterator(answers.len(), answers.iter().map(answer))
+        DVector::from_iterator(answers.len(), answers.iter().map(answer))
     }
 
+    /// Refuses an input in a constraint: what rows demand of accelerations by inputs is not generated.
     fn moves_no_constraint(&self, input: usize, name: &str) -> Result<(), LinearError> {
         let description = self.system.description();
         let rows = description.rows.len();
@@ -195,8 +214,8 @@ impl<'a> Instant<'a> {
         }
         Ok(())
     }
+}
 
-    fn no_accelerations(&self, fault: crate::mechanism::Singular) -> LinearError {
-        LinearError::NoAccelerations(Box::new(fault.cause(self.system.description())))
-    }
+fn no_accelerations(system: &dyn System, fault: Singular) -> LinearError {
+    LinearError::NoAccelerations(Box::new(fault.cause(system.description())))
 }
