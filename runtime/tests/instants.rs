@@ -19,7 +19,7 @@ bodies:
   bob: {mass: m, position: 'cart + l*[sin(theta), -cos(theta)]'}
 gravity: [0, -g]
 forces: {motor: {on: cart, force: '[k*i, 0]'}}
-outputs: {push: k*i, jolt: \"x''\"}
+outputs: {push: k*i, acceleration: \"x''\"}
 scene: {start: {theta: 1, theta': -2}, until: 3, tolerance: 1e-12}
 ";
 
@@ -52,7 +52,8 @@ fn by_hand(theta: f64, rate: f64, i: f64) -> [f64; 2] {
 fn departures_from_a_motion_are_those_of_the_equations_by_hand() {
     let system = system(CART);
     let (q, v) = ([0.3, 1.1, 0.0], [0.5, -2.0, 0.8]);
-    let found = linearise_instant(&system, At::new(0.4, &q, &v), &[volts()], &["push", "jolt", "i", "theta'"]).unwrap();
+    let found =
+        linearise_instant(&system, At::new(0.4, &q, &v), &[volts()], &["push", "acceleration", "i", "theta'"]).unwrap();
     let names: Vec<&str> = found.states.iter().map(|[name, _]| name.as_str()).collect();
     assert_eq!(names, ["x", "theta", "x'", "theta'", "i"]);
     let step = 1e-5;
@@ -101,7 +102,7 @@ scene: {start: {x: 1.2, y: -1.6, x': 0.8, y': 0.6}}
     // δφ moves (x, y) by l (c, s) and turns the speed l φ' (c, s), φ' = 1/2, by l φ' (−s, c).
     let along = [2.0 * c, 2.0 * s, -s, c];
     let moved = |row: usize| (0..4).map(|k| found.a[(row, k)] * along[k]).sum::<f64>();
-    // The acceleration is l φ'' (c, s) + l φ'² (−s, c): its change along (c, s) is l δφ'' − l φ'² δφ·(c·c + s·s).. of the second term.
+    // The acceleration is l φ'' (c, s) + l φ'² (−s, c): along (c, s) it changes by l δφ'' − l φ'² δφ.
     let expected = -9.81 / 2.0 * c - 0.25;
     assert!((turned([moved(2), moved(3)]) - expected).abs() < 1e-13, "{} {expected}", turned([moved(2), moved(3)]));
     let lift = NamedDrive { drive: Source::Input(1).into(), name: "lift".into(), unit: "m".into() };

@@ -15,7 +15,8 @@ use crate::mechanism::{Coordinate, Description};
 /// that neither a shift of the origin nor a change of units changes a step; an angle's is at most 2π.  φ = 200 u max|q|, u = 2⁻⁵³, is the
 /// rounding of q: no error below it counts, nor one below 200 u² max|q| of the coordinates with the same unit: what a mechanism in space that
 /// stays in a plane has across it is rounding of rounding.  ν is the noise of the acceleration, what the rounding of all coordinates
-/// and of the time makes of it; it is measured where errors do not fall as steps become shorter ([`Tolerance::noise`]).  Where a
+/// and of the time makes of it; it is measured where errors do not fall as steps become shorter ([`Tolerance::noise`]), and counts
+/// [`STAYS`] times where a coordinate has not left its rounding.  Where a
 /// coordinate takes over the rounding of a larger one beside it, φ is raised then.  What sets off from rest like a high power of
 /// time has errors of the size of its change in any step: those of its first step count as none ([`Tolerance::note_start_up_errors`]).
 ///
@@ -59,8 +60,9 @@ pub(crate) const PERTURBATION: f64 = 4.0 * f64::EPSILON;
 pub(crate) const LEAST: f64 = 1e-100;
 /// Errors are explained by up to so many times the measured noise.
 const EXPLAINED: f64 = 8.0;
-/// By so much the unit of what stays where it is, but for rounding, is larger: explained errors are a tenth of it then.  A controller lets a step grow
-/// where the error of a method of order 8 is below 0.8⁸ = 0.17 of its unit, and noise, which is the same part of it in steps of any length, would hold it.
+/// By so much the unit of what stays where it is, but for rounding, is larger: explained errors are a tenth of it then.  A controller lets a
+/// step grow where the error of a method of order 8 is below 0.8⁸ = 0.17 of its unit, and noise, which is the same part of it in steps of any
+/// length, would hold it.
 const STAYS: f64 = 5.0;
 
 /// For each coordinate the first that has its unit.

@@ -26,12 +26,21 @@ pub fn notes(system: &dyn System, rest: &Equilibrium) -> Vec<String> {
     system.magnitudes(at, &mut forces);
     let force = forces.into_iter().chain(lambda.iter().map(|x| x.abs())).fold(0.0, f64::max);
     let modes = contacts.modes(system.phase());
+    // Nor do forces have a unit where lengths have none.
+    let with_unit = |value: f64, contact: &Contact, unit: &str| match contact.normal {
+        Some(row) if description.rows[row as usize].unit.is_empty() => short(value),
+        _ => format!("{} {unit}", short(value)),
+    };
     let broken = |(contact, mode): (&Contact, _)| {
         contact.events().filter(|(_, what)| what.is_of(mode)).find_map(|(event, what)| {
             let value = pairs[2 * event as usize];
             let (scale, says) = match what {
-                ContactEvent::Lands => (place, format!("its sides pass through each other by {} m", short(-value))),
-                ContactEvent::Lifts => (force, format!("its sides pull at each other with {} N", short(-value))),
+                ContactEvent::Lands => {
+                    (place, format!("its sides pass through each other by {}", with_unit(-value, contact, "m")))
+                }
+                ContactEvent::Lifts => {
+                    (force, format!("its sides pull at each other with {}", with_unit(-value, contact, "N")))
+                }
                 ContactEvent::Slips => (force * force, "it takes more friction than there is".to_owned()),
                 ContactEvent::Stops => return None,
             };

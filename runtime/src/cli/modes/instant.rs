@@ -42,11 +42,16 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     let (scene, mut reader) = choose(&mut loaded, options)?;
     let text = options.get_one::<String>("at-time").map_or("", String::as_str);
     let time = reader.value(&loaded, "at-time", Sets::Time, text)?;
-    let settings = Settings { until: time, apart: false, every: None, ..Settings::of_scene(&*loaded.system, scene) };
+    let settings = Settings::of_scene(&*loaded.system, scene);
+    if time < settings.from {
+        let words = format!("error: --at-time: the motion begins at t = {} s", short(settings.from));
+        return Err(Problem::Usage(words));
+    }
+    let settings = Settings { until: time, apart: false, every: None, ..settings };
     let run = simulate(&mut *loaded.system, &settings).map_err(|error| Problem::Run(error.to_string()))?;
     let last = run.last();
     if let Some(stop) = run.events.last().filter(|_| last.t < time) {
-        return Err(Problem::Usage(format!("error: the motion ends at t = {} s, by `{}`", short(last.t), stop.name)));
+        return Err(Problem::Run(format!("the motion ends at t = {} s, by `{}`", short(last.t), stop.name)));
     }
     let at = At::new(last.t, &last.q, &last.v);
     loaded.warnings.append(&mut reader.notes);

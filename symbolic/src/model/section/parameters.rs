@@ -176,7 +176,7 @@ pub fn values(
         if !family.ranged {
             let (name, count) = (&family.key.name, items.len());
             spot.wrong_shape(
-                &format!("one number; {count} are those of a family, `{name}[i in 1..{count}]`"),
+                &format!("one number, or with these {count} a family `{name}[i in 1..{count}]`"),
                 problems,
             );
             return None;
