@@ -9,19 +9,27 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use dalembert::mechanism::{At, Interpreted, SwitchKind, System};
+use dalembert::mechanism::{Along, At, Function, Interpreted, SwitchKind, System};
 use dalembert_symbolic::{lower::compile_in, print};
 
 /// States at which the functions are compared, in each phase.
 const STATES: usize = 4;
 /// By how much numbers may differ, in parts of the largest beside them.
 const TOLERANCE: f64 = 1e-13;
+/// Slopes of accelerations are compared with differences over this part of a direction.
+const STEP: f64 = 1e-5;
+/// By how much they may differ from those, in parts of the largest slope or acceleration.
+const TOLERANCE_OF_DIFFERENCES: f64 = 1e-6;
+/// States at which accelerations jump, and how many they may be.
+static JUMPS: AtomicUsize = AtomicUsize::new(0);
+const MOST_JUMPS: usize = 40;
 
 /// Prints all functions at each state that it reads, a line a function; with an empty line after each state.
 const DRIVER: &str = r"
 #include <stdio.h>
 #define ROOM 40000
-static double c[ROOM], q[ROOM], v[ROOM], u[ROOM], a[ROOM], l[ROOM], out[ROOM], zero[ROOM];
+#define CHANGE(k) (0.3 + 0.1 * ((k) % 7))
+static double c[ROOM], q[ROOM], v[ROOM], u[ROOM], a[ROOM], l[ROOM], out[ROOM], zero[ROOM], along[ROOM], dl[ROOM];
 static void line(int size) {
     for (int k = 0; k < size; k++) printf(k ? ' %.17g' : '%.17g', out[k]);
     printf('\n');
@@ -33,7 +41,8 @@ static void list(const double *from, int size) {
 int main(void) {
     NAME_parameters p;
     double t;
-    int phase;
+    int phase, state = 0;
+    enum { INPUTS = 1 + 3 * N_COORDINATES + N_ROWS, PARAMETERS = INPUTS + 3 * N_INPUTS, MEMORY = PARAMETERS + N_PARAMETERS };
     NAME_defaults(&p);
     NAME_constants(&p, c);
     for (int scene = 0; scene < N_SCENES; scene++) {
@@ -61,7 +70,19 @@ int main(void) {
         line(1);
         list(a, N_COORDINATES);
         list(l, N_ROWS);
+        for (int k = 0; k < N_DIRECTION; k++) along[k] = k <= 2 * N_COORDINATES ? CHANGE(k) : 0.0;
+        if (N_PARAMETERS) along[PARAMETERS + state % (N_PARAMETERS + !N_PARAMETERS)] = 1.0;
+        if (N_MEMORY) along[MEMORY + state % (N_MEMORY + !N_MEMORY)] = 1.0;
+        state++;
+        NAME_input_slopes(c, t, along, along + INPUTS);
+        if (failed || NAME_acceleration_slopes(c, t, u, q, v, a, l, along, out, dl)) for (int k = 0; k < N_COORDINATES; k++) out[k] = 0.0;
+        line(N_COORDINATES);
         for (int k = 0; k < ROOM; k++) a[k] += 1.0, l[k] += 1.0;
+        for (int k = 2 * N_COORDINATES + 1; k < INPUTS; k++) along[k] = CHANGE(k);
+        NAME_equation_slopes(c, t, u, q, v, a, l, along, out);
+        line(N_COORDINATES + N_ROWS);
+        NAME_output_slopes(c, t, u, q, v, a, l, along, out);
+        line(N_OUTPUTS);
         CALLS
     }
     return 0;
@@ -209,6 +230,73 @@ fn rows_of(system: &Interpreted, at: At<'_>) -> Vec<Compared> {
     ]
 }
 
+/// A direction of t, q, v, a and l, as the program in C has it, and a parameter and a held value that change in turn.
+struct Direction {
+    t: f64,
+    state: [Vec<f64>; 4],
+    parameter: Option<usize>,
+    memory: Option<usize>,
+}
+
+impl Direction {
+    fn of(system: &Interpreted, turn: usize) -> Direction {
+        let n = system.len();
+        let change = |k: usize| 0.3 + 0.1 * (k % 7) as f64;
+        let list = |first: usize, count: usize| (first..first + count).map(change).collect();
+        let of = |count: usize| (count > 0).then(|| turn % count);
+        let rows = system.description().rows.len();
+        Direction {
+            t: change(0),
+            state: [list(1, n), list(1 + n, n), list(1 + 2 * n, n), list(1 + 3 * n, rows)],
+            parameter: of(system.parameters().len()),
+            memory: of(system.memory().len()),
+        }
+    }
+
+    fn along(&self) -> Along<'_> {
+        let [q, v, a, lambda] = &self.state;
+        Along { t: self.t, q, v, a, lambda, parameter: self.parameter, memory: self.memory }
+    }
+
+    /// Accelerations a part of the direction further on; none where they fail.
+    fn accelerations(&self, system: &Interpreted, at: At<'_>, part: f64) -> Option<Vec<f64>> {
+        let mut system = system.clone();
+        if let Some(k) = self.parameter {
+            system.set_parameter(k, system.parameters()[k] + part);
+        }
+        if let Some(k) = self.memory {
+            let mut memory = system.memory().to_vec();
+            memory[k] += part;
+            system.set_memory(&memory);
+        }
+        let moved =
+            |from: &[f64], along: &[f64]| from.iter().zip(along).map(|(x, d)| x + part * d).collect::<Vec<f64>>();
+        let (q, v) = (moved(at.q, &self.state[0]), moved(at.v, &self.state[1]));
+        let (mut a, mut l) = (vec![0.0; system.len()], vec![0.0; system.description().rows.len()]);
+        let at = At::new(at.t + part * self.t, &q, &v);
+        system.accelerations_and_multipliers(at, &mut a, &mut l).is_ok().then_some(a)
+    }
+
+    /// The sum of accelerations further on, with weights.
+    fn sum(&self, system: &Interpreted, at: At<'_>, terms: &[(f64, f64)]) -> Option<Vec<f64>> {
+        let mut sum = vec![0.0; system.len()];
+        for (place, weight) in terms {
+            let moved = self.accelerations(system, at, place * STEP)?;
+            sum.iter_mut().zip(moved).for_each(|(sum, a)| *sum += weight / STEP * a);
+        }
+        Some(sum)
+    }
+
+    /// Slopes of accelerations, as of the polynomial through five; none where accelerations jump, as where rows that depend on each other
+    /// are chosen otherwise.
+    fn acceleration_slopes(&self, system: &Interpreted, at: At<'_>) -> Option<Vec<f64>> {
+        let slopes =
+            self.sum(system, at, &[(-2.0, 1.0 / 12.0), (-1.0, -2.0 / 3.0), (1.0, 2.0 / 3.0), (2.0, -1.0 / 12.0)])?;
+        let forward = self.sum(system, at, &[(0.0, -1.0), (1.0, 1.0)])?;
+        (deviation(&slopes, &forward, 1.0) < 0.1).then_some(slopes)
+    }
+}
+
 /// The program in C that prints all these functions.
 fn driver(code: &print::CText, all: &[Compared]) -> String {
     let calls: String = all
@@ -285,7 +373,9 @@ fn compare(compiler: &str, folder: &Path, name: &str, path: &Path) -> Result<(),
     let mut worst = (0.0, String::new());
     let mut check = |what: &str, ours: &[f64], terms: f64| {
         let theirs = lines.next().unwrap();
-        let off = deviation(ours, theirs, terms);
+        let by_differences = what == "acceleration_slopes";
+        let off =
+            deviation(ours, theirs, terms) * if by_differences { TOLERANCE / TOLERANCE_OF_DIFFERENCES } else { 1.0 };
         // The first that is wrong says most.
         if off > worst.0 && worst.0 <= TOLERANCE {
             worst = (off, format!("{name}: {what}: {off:.1e}: {ours:?} {theirs:?}"));
@@ -298,7 +388,7 @@ fn compare(compiler: &str, folder: &Path, name: &str, path: &Path) -> Result<(),
         check("v", &scene.v, 0.0);
         check("memory", &fresh.scene_memory(k), 0.0);
     }
-    for (t, q, v, memory, phase) in states {
+    for (turn, (t, q, v, memory, phase)) in states.into_iter().enumerate() {
         let mut system = fresh.clone();
         system.set_memory(&memory);
         system.set_phase(phase);
@@ -312,9 +402,24 @@ fn compare(compiler: &str, folder: &Path, name: &str, path: &Path) -> Result<(),
         check("failure", &[f64::from(u8::from(failed))], 0.0);
         check("accelerations", &a, 0.0);
         check("multipliers", &l, 0.0);
+        let direction = Direction::of(&system, turn);
+        let slopes = direction.acceleration_slopes(&system, At::new(t, &q, &v));
+        JUMPS.fetch_add(usize::from(slopes.is_none()), Ordering::Relaxed);
+        let largest = a.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
+        // Beside an infinite scale nothing deviates.
+        let scale = if slopes.is_some() || failed { largest } else { f64::INFINITY };
+        check("acceleration_slopes", &slopes.filter(|_| !failed).unwrap_or_else(|| zeros.clone()), scale);
         // At the motion's own accelerations F is nothing but rounding.
         a.iter_mut().chain(&mut l).for_each(|x| *x += 1.0);
         let at = At::new(t, &q, &v).accelerated(&a).constrained(&l);
+        let slopes = |function: Function, size: usize| {
+            let mut values = vec![0.0; size];
+            assert!(system.slopes(function, at, &direction.along(), &mut values));
+            values
+        };
+        let rows = slopes(Function::RowAccelerations, l.len());
+        check("equation_slopes", &[slopes(Function::Residual, n), rows].concat(), 0.0);
+        check("output_slopes", &slopes(Function::Outputs, system.description().output_len()), 0.0);
         for (what, _, values) in functions(&system, at) {
             // Terms of F cancel.
             let mut terms = vec![0.0; if what == "residual" { n } else { 0 }];
@@ -351,5 +456,6 @@ fn c_agrees_with_the_program() {
         workers.into_iter().flat_map(|worker| worker.join().expect("a comparison that panics")).collect()
     });
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert!(JUMPS.load(Ordering::Relaxed) <= MOST_JUMPS, "{JUMPS:?}");
     fs::remove_dir_all(folder).unwrap();
 }

@@ -63,6 +63,48 @@ for path in sorted(glob.glob(os.path.join(sys.argv[1], "*.fmu"))):
         print(os.path.basename(path), kind, worst, compared, "valid" if not problems else problems)
 "#;
 
+/// Compares directional derivatives of every FMU of a folder with differences of what they are derivatives of, by each state, time,
+/// parameter and input; prints a line for each FMU.
+const SLOPES: &str = r#"
+import glob, os, sys
+import numpy as np
+from fmpy import extract, read_model_description
+from fmpy.fmi3 import FMU3Model
+for path in sorted(glob.glob(os.path.join(sys.argv[1], "*.fmu"))):
+    folder, told = extract(path), read_model_description(path)
+    numbers = [v for v in told.modelVariables if v.type == "Float64"]
+    of = lambda *kinds: [v.valueReference for v in numbers if v.causality in kinds]
+    rates = [u.variable.valueReference for u in told.derivatives]
+    states = [u.variable.derivative.valueReference for u in told.derivatives]
+    unknowns = rates + [k for k in of("output") if k not in states]
+    worst = 0.0
+    for known in states + of("independent", "parameter", "input"):
+        fmu = FMU3Model(guid=told.instantiationToken, modelIdentifier=told.modelExchange.modelIdentifier, unzipDirectory=folder)
+        get, put = fmu.getFloat64, fmu.setFloat64
+        fmu.instantiate()
+        fmu.enterInitializationMode()
+        fmu.exitInitializationMode()
+        fmu.updateDiscreteStates()
+        fmu.enterContinuousTimeMode()
+        fmu.setTime(0.1)
+        here = get([known])[0]
+        if known in of("input"):
+            put([known], [here])
+        size = 1e-5*(abs(here) if known in of("parameter") and here else 1.0)
+        move = fmu.setTime if known in of("independent") else lambda value: put([known], [value])
+        def at(k):
+            move(here + k*size)
+            return np.array(get(unknowns))
+        differences = (at(-2) - 8*at(-1) + 8*at(1) - at(2))/(12*size)
+        values = at(0)
+        slopes = np.array(fmu.getDirectionalDerivative(unknowns, [known], [2.0]))/2
+        scale = np.max(np.abs(slopes)) + 1e-6/size*np.max(np.abs(values)) + 1e-12
+        worst = max(worst, np.max(np.abs(slopes - differences))/scale)
+        fmu.terminate()
+        fmu.freeInstance()
+    print(os.path.basename(path), len(unknowns), worst)
+"#;
+
 /// What a command prints, or its error.
 fn run(arguments: &[&str]) -> Result<String, String> {
     let mut out = Vec::new();
@@ -99,6 +141,14 @@ fn export(folder: &Path, name: &str, options: &[&str]) {
     run(&[&["simulate", &model, "--csv", &path("csv"), "--every", &every, "--no-digits"], options].concat()).unwrap();
 }
 
+/// What a script prints of a folder.
+fn told(python: &str, script: &str, folder: &Path) -> String {
+    let output = Command::new(python).args(["-W", "ignore", "-c", script, folder.to_str().unwrap()]).output().unwrap();
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success(), "{text}\n{}", String::from_utf8_lossy(&output.stderr));
+    text
+}
+
 #[test]
 fn fmus_move_as_the_program_does() {
     let Some(python) = python() else {
@@ -109,9 +159,7 @@ fn fmus_move_as_the_program_does() {
     for (name, options) in COMPARED {
         export(&folder, name, options);
     }
-    let output = Command::new(python).args(["-W", "ignore", "-c", DRIVER, folder.to_str().unwrap()]).output().unwrap();
-    let text = String::from_utf8_lossy(&output.stdout);
-    assert!(output.status.success(), "{text}\n{}", String::from_utf8_lossy(&output.stderr));
+    let text = told(python, DRIVER, &folder);
     let lines: Vec<Vec<&str>> = text.lines().map(|line| line.splitn(5, ' ').collect()).collect();
     assert_eq!(lines.len(), 2 * COMPARED.len(), "{text}");
     let right = |line: &Vec<&str>| {
@@ -119,6 +167,11 @@ fn fmus_move_as_the_program_does() {
         worst <= TOLERANCE && compared >= 100 && line[4] == "valid"
     };
     assert!(lines.iter().all(right), "{text}");
+    let slopes = told(python, SLOPES, &folder);
+    let lines: Vec<&str> = slopes.lines().collect();
+    assert_eq!(lines.len(), COMPARED.len(), "{slopes}");
+    let right = |line: &&str| line.rsplit(' ').next().unwrap().parse::<f64>().unwrap() <= TOLERANCE;
+    assert!(lines.iter().all(right), "{slopes}");
     fs::remove_dir_all(folder).unwrap();
 }
 
@@ -137,7 +190,8 @@ fn an_fmu_has_its_variables_and_its_sources() {
         "<Float64 name=\"u\"",
         "causality=\"input\" variability=\"continuous\" start=\"12.0\"",
         "<BaseUnit kg=\"1\" m=\"2\" s=\"-3\" A=\"-2\"/>",
-        "<SourceFile name=\"fmu_functions.c\"/>",
+        "<SourceFile name=\"fmi3_functions.c\"/>",
+        "providesDirectionalDerivatives=\"true\"",
         "sources/dalembert_core.h",
         "fmi3Status fmi3DoStep(",
     ] {

@@ -29,7 +29,8 @@ pub enum Symbol {
     Multiplier(u32),
     /// 1 in this phase, 0 in all others.
     Phase(u32),
-    /// A bound variable: the dummy of an `integral`, the `length` of a spring law, the argument of a `diff`, a drawn curve's parameter.
+    /// A bound variable: the dummy of an `integral`, the `length` of a spring law, the argument of a `diff`, a drawn curve's parameter, a
+    /// component of a direction.
     Dummy(u32),
 }
 

@@ -15,6 +15,7 @@ mod parts;
 mod rounding;
 mod routh;
 mod series;
+mod slopes;
 mod structure;
 mod symmetry;
 mod time;
@@ -37,6 +38,7 @@ pub use momentum::MomentumSystem;
 pub use parts::Part;
 pub use routh::{Ignored, NotReduced, Reduced, routh};
 pub use series::{Place, Recurrence, Series};
+pub use slopes::{Slopes, direction_size};
 pub use structure::Structure;
 pub use symmetry::{Symmetries, Symmetry, generators, symmetries};
 

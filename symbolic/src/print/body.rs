@@ -43,6 +43,8 @@ pub(super) struct Reads {
     pub inputs: bool,
     /// q, v, a, l.
     pub state: [bool; 4],
+    /// A direction along which slopes are wanted.
+    pub along: bool,
 }
 
 /// Deepest nesting of one expression.
@@ -196,7 +198,11 @@ impl Bodies<'_> {
                     reads.constants = true;
                     continue;
                 }
-                Symbol::Reaction(_) | Symbol::Dummy(_) | Symbol::State(_) | Symbol::StateRate(_) => continue,
+                Symbol::Dummy(_) => {
+                    reads.along = true;
+                    continue;
+                }
+                Symbol::Reaction(_) | Symbol::State(_) | Symbol::StateRate(_) => continue,
             };
             let names = &self.names;
             let name = if order == 3 { &names.multipliers[k as usize] } else { &names.coordinates[k as usize][order] };
@@ -221,7 +227,9 @@ impl Bodies<'_> {
             Symbol::Acceleration(i) => coordinate(i, 2),
             Symbol::Input(k, order) => format!("u[{}]", 3 * k + u32::from(order)),
             Symbol::Multiplier(k) => self.names.multipliers[k as usize].clone(),
-            // Derivations leave neither reactions nor dummies nor symbols of states in what is printed.
+            // No other bound variable is left in what is printed.
+            Symbol::Dummy(k) => format!("along[{k}]"),
+            // Derivations leave neither reactions nor symbols of states in what is printed.
             _ => self.dialect.number(Number::Exact(Rational::ZERO)),
         }
     }

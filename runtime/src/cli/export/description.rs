@@ -85,7 +85,11 @@ pub fn description(program: &Program, code: &CText, start: &Start) -> String {
         ("ModelExchange", " needsCompletedIntegratorStep=\"true\""),
         ("CoSimulation", " canHandleVariableCommunicationStepSize=\"true\""),
     ] {
-        let _ = writeln!(out, "  <{kind} modelIdentifier=\"{}\" canGetAndSetFMUState=\"true\"{more}/>", code.prefix);
+        let _ = writeln!(
+            out,
+            "  <{kind} modelIdentifier=\"{}\" canGetAndSetFMUState=\"true\" providesDirectionalDerivatives=\"{}\"{more}/>",
+            code.prefix, code.has_slopes
+        );
     }
     out += "  <UnitDefinitions>\n";
     units.iter().for_each(|unit| out += &unit_definition(unit));

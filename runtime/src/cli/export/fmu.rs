@@ -13,11 +13,13 @@ use super::description::{Start, description};
 use super::tables;
 
 /// The C that all FMUs share.
-const SHARED: [(&str, &str); 4] = [
+const SHARED: [(&str, &str); 6] = [
     ("fmu_instance.h", include_str!("fmu/fmu_instance.h")),
     ("fmu_instance.c", include_str!("fmu/fmu_instance.c")),
     ("fmu_integrate.c", include_str!("fmu/fmu_integrate.c")),
-    ("fmu_functions.c", include_str!("fmu/fmu_functions.c")),
+    ("fmu_calls.h", include_str!("fmu/fmu_calls.h")),
+    ("fmu_calls.c", include_str!("fmu/fmu_calls.c")),
+    ("fmi3_functions.c", include_str!("fmu/fmi3_functions.c")),
 ];
 
 /// What was written, and of the library why it was not.

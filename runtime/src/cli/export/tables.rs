@@ -33,10 +33,13 @@ pub fn tables(program: &Program, code: &CText, start: &Start) -> String {
     let guard = name.to_uppercase();
     let mut out =
         format!("#include \"{name}.h\"\n\n#define MODEL(name) {name}_##name\n#define TOKEN \"{}\"\n", start.token);
-    // Preprocessor conditions ask for the first three.
-    for (size, value) in
-        [("ROWS", program.constraints.len()), ("START_PHASE", start.phase), ("COORDINATES", model.coordinates.len())]
-    {
+    // Preprocessor conditions ask for some of these.
+    for (size, value) in [
+        ("ROWS", program.constraints.len()),
+        ("START_PHASE", start.phase),
+        ("COORDINATES", model.coordinates.len()),
+        ("SLOPES", usize::from(code.has_slopes)),
+    ] {
         let _ = writeln!(out, "#define {size} {value}");
     }
     let _ = writeln!(
@@ -57,6 +60,7 @@ pub fn tables(program: &Program, code: &CText, start: &Start) -> String {
         "RESTITUTIONS",
         "CLOCKS",
         "CONSTANTS",
+        "DIRECTION",
     ] {
         let _ = writeln!(out, "    {size} = {guard}_{size},");
     }

@@ -6,6 +6,7 @@ use super::Printing;
 use super::dialect::{TAKEN, comment, float, identifier, string};
 use super::function::{documented, unread};
 use crate::derive::SwitchKind;
+use crate::lower::direction_size;
 use crate::model::{EventAction, Target, Trigger, field_name, text};
 use crate::print::body::Use;
 use crate::print::documentation::{about, tested};
@@ -71,6 +72,7 @@ impl Printing<'_> {
             &model.scenes.iter().map(|s| s.name.as_str()).collect::<Vec<_>>().join(", "),
         );
         size("CONSTANTS", self.block, "the size of the block c");
+        size("DIRECTION", direction_size(self.program), "the size of a direction");
         out += "};\n";
         out += &self.parameters();
         let told = |kind: &Kind| kind.told().iter().map(|what| self.told(kind.name, what) + ";\n").collect::<String>();

@@ -107,6 +107,7 @@ pub(super) const TAKEN: &[&str] = &[
     "p",
     "settings",
     "memory",
+    "along",
     // Functions that are called.
     "sqrt",
     "sin",

@@ -10,8 +10,10 @@ pub(super) struct Function {
     pub name: &'static str,
     /// What it is, in words.
     pub about: String,
-    /// The highest derivative of the coordinates that it takes, plus one: 1 q, 2 q and v, 3 all, with multipliers.
+    /// The highest derivative of the coordinates that it takes, plus one: 1 q, 2 q and v, 3 all, with multipliers; 0 takes no inputs either.
     pub order: usize,
+    /// Whether it takes a direction.
+    pub along: bool,
     /// How many numbers it writes.
     pub size: usize,
     /// What it computes.
@@ -20,11 +22,18 @@ pub(super) struct Function {
 
 /// Arguments of a function of a state, up to those that `order` takes.
 pub(super) fn arguments(order: usize) -> String {
-    let state: String = ["q", "v", "a", "l"][..if order == 3 { 4 } else { order }]
-        .iter()
-        .map(|name| format!(", const double *{name}"))
-        .collect();
-    format!("const double *c, double t, const double *u{state}")
+    let arrays = &["u", "q", "v", "a", "l"][..count(order)];
+    let arrays: String = arrays.iter().map(|name| format!(", const double *{name}")).collect();
+    format!("const double *c, double t{arrays}")
+}
+
+/// How many arrays that is.
+fn count(order: usize) -> usize {
+    match order {
+        0 => 0,
+        3 => 5,
+        order => 1 + order,
+    }
 }
 
 /// Statements that say that arguments are not read.
@@ -37,8 +46,9 @@ pub(super) fn unread(names: &[(&str, bool)]) -> String {
 /// Which of the arguments of a function of a state a body reads.
 pub(super) fn read(body: &Body, order: usize) -> Vec<(&'static str, bool)> {
     let reads = body.reads;
-    let state = ["q", "v", "a", "l"].into_iter().zip(reads.state).take(if order == 3 { 4 } else { order });
-    [("c", reads.constants), ("t", reads.time), ("u", reads.inputs)].into_iter().chain(state).collect()
+    let state = ["q", "v", "a", "l"].into_iter().zip(reads.state);
+    let arrays = [("u", reads.inputs)].into_iter().chain(state).take(count(order));
+    [("c", reads.constants), ("t", reads.time)].into_iter().chain(arrays).collect()
 }
 
 /// Lines of documentation.
@@ -49,7 +59,8 @@ pub(super) fn documented(about: &str) -> String {
 
 impl Function {
     fn signature(&self, prefix: &str) -> String {
-        format!("void {prefix}_{}({}, double *out)", self.name, arguments(self.order))
+        let along = if self.along { ", const double *along" } else { "" };
+        format!("void {prefix}_{}({}{along}, double *out)", self.name, arguments(self.order))
     }
 
     /// For the header.
@@ -61,7 +72,7 @@ impl Function {
     pub fn definition(&self, prefix: &str, bodies: &Bodies<'_>) -> String {
         let body = bodies.body(&self.uses, "    ");
         let mut names = read(&body, self.order);
-        names.push(("out", self.size > 0));
+        names.extend([("along", !self.along || body.reads.along), ("out", self.size > 0)]);
         let mut out = format!("\n{} {{\n{}", self.signature(prefix), unread(&names));
         if self.uses.len() < self.size {
             let _ = writeln!(out, "    for (int k = 0; k < {}; k++) out[k] = 0.0;", self.size);

@@ -19,7 +19,7 @@ use super::function::stores;
 use super::rust::hoist;
 use super::scope::{Names, Scope};
 use crate::expr::Id;
-use crate::lower::{Entry, Program};
+use crate::lower::{Entry, Program, Slopes};
 use crate::model::KEYWORDS;
 
 /// The declarations of the core.
@@ -41,6 +41,8 @@ pub struct CText {
     pub header: String,
     /// The functions.
     pub source: String,
+    /// Whether it has slopes along directions, which the largest models do not have.
+    pub has_slopes: bool,
 }
 
 impl CText {
@@ -58,6 +60,9 @@ impl CText {
 /// The functions of a mechanism in C99, with names that begin with `name`.
 pub fn c(program: &Program, name: &str) -> CText {
     let prefix = dialect::identifier(name);
+    let mut with_slopes = program.clone();
+    let slopes = Slopes::of(&mut with_slopes);
+    let program = if slopes.is_some() { &with_slopes } else { program };
     let (tables, tables_2d) = (program.tables(), program.tables_2d());
     let own = (0..tables.len()).map(|place| format!("{prefix}_table_{place}"));
     let own = own.chain(tables_2d::names(&prefix, tables_2d.len())).chain(normal::names(&prefix));
@@ -84,6 +89,7 @@ pub fn c(program: &Program, name: &str) -> CText {
     };
     let printing = Printing {
         program,
+        slopes,
         prefix: &prefix,
         bodies: bodies(&places),
         unhoisted: bodies(&nowhere),
@@ -100,15 +106,17 @@ pub fn c(program: &Program, name: &str) -> CText {
     }
     header += &printing.declarations_of_starts();
     source += &printing.starts();
-    header += acceleration::DECLARATION.replace("NAME", &prefix).as_str();
+    header += &printing.declarations_of_accelerations();
     source += &accelerations;
     header += "\n#endif\n";
-    CText { source, header, prefix }
+    CText { source, header, has_slopes: printing.slopes.is_some(), prefix }
 }
 
 /// Everything that the functions of one mechanism are printed with.
 struct Printing<'a> {
     program: &'a Program,
+    /// Slopes along directions; `None` where the model is too large for them.
+    slopes: Option<Slopes>,
     prefix: &'a str,
     /// For functions that have the block of constants.
     bodies: Bodies<'a>,
@@ -144,6 +152,7 @@ impl Printing<'_> {
         let matrix = |name, order, about: &str, entries: &[Entry], (lines, columns): (usize, usize), shape| Function {
             name,
             order,
+            along: false,
             about: about.to_owned(),
             size: lines * columns,
             uses: dense(entries, columns, shape),
@@ -151,6 +160,7 @@ impl Printing<'_> {
         let list = |name, order, about: &str, values: &[Id]| Function {
             name,
             order,
+            along: false,
             about: about.to_owned(),
             size: values.len(),
             uses: stores("out", values),
@@ -185,6 +195,14 @@ impl Printing<'_> {
                 matrix("constraint_rate_jacobian", 2, ROW_RATES, &constraints.rate_jacobian, square, by),
             ]);
         }
+        if let Some(Slopes { equations, outputs, inputs }) = &self.slopes {
+            let along = |function: Function| Function { along: true, ..function };
+            functions.extend([
+                along(list("equation_slopes", 3, EQUATION_SLOPES, equations)),
+                along(list("output_slopes", 3, OUTPUT_SLOPES, outputs)),
+                along(list("input_slopes", 0, &INPUT_SLOPES.replace("NAME", self.prefix), inputs)),
+            ]);
+        }
         functions
     }
 }
@@ -207,3 +225,6 @@ const FRICTION: &str = "B(t, q, q'), forces that multipliers cause beside J^T la
 const ROW_STIFFNESS: &str = "d(J q'' + gamma)/dq: rows by n, row by row.";
 const ROW_DAMPING: &str = "d(J q'' + gamma)/dq': rows by n, row by row.";
 const ROW_RATES: &str = "dc'/dq: rows by n, row by row.";
+const EQUATION_SLOPES: &str = "Changes of F, then of J q'' + gamma of all rows, along a direction: of t, q, v, a, l, (u, u', u'') of each input, parameters, held values.  Modes and the phase stay.";
+const OUTPUT_SLOPES: &str = "Changes of the outputs along such a direction.";
+const INPUT_SLOPES: &str = "Changes of what NAME_inputs gives along such a direction.";

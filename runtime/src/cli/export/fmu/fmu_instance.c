@@ -111,6 +111,11 @@ static int active_rows(const instance *m, int holonomic, int *which) {
     return count;
 }
 
+int is_constrained(const instance *m) {
+    int which[ROOM(ROWS)];
+    return active_rows(m, 0, which) > 0;
+}
+
 static void triples(const instance *m, double *c) {
 #if ROWS > 0
     MODEL(constraints)(m->c, m->t, m->u, m->q, m->v, c);

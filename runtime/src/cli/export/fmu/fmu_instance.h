@@ -26,6 +26,8 @@ typedef struct {
     double first[ROOM(CLOCKS)], period[ROOM(CLOCKS)], ticks[ROOM(CLOCKS)];
     double tolerance, step;
     int stopped;
+    int initializing; /* whether everything may still be set */
+    int was_set;      /* whether something was set since the last step */
 } instance;
 
 /* Begins at the start that was exported. */
@@ -51,6 +53,9 @@ int happen(instance *m, int *changed);
 
 /* The time of the next tick. */
 double next_tick(const instance *m);
+
+/* Whether rows act in the phase. */
+int is_constrained(const instance *m);
 
 /* How far the state has left the constraints, in parts of what they are made of. */
 double drift(instance *m);
