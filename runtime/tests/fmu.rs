@@ -69,24 +69,35 @@ const SLOPES: &str = r#"
 import glob, os, sys
 import numpy as np
 from fmpy import extract, read_model_description
+from fmpy.fmi2 import FMU2Model
 from fmpy.fmi3 import FMU3Model
+
+def started(folder, told):
+    identifier = told.modelExchange.modelIdentifier
+    if told.fmiVersion == "2.0":
+        fmu = FMU2Model(guid=told.guid, modelIdentifier=identifier, unzipDirectory=folder)
+    else:
+        fmu = FMU3Model(guid=told.instantiationToken, modelIdentifier=identifier, unzipDirectory=folder)
+    fmu.instantiate()
+    if told.fmiVersion == "2.0":
+        fmu.setupExperiment()
+    fmu.enterInitializationMode()
+    fmu.exitInitializationMode()
+    fmu.newDiscreteStates() if told.fmiVersion == "2.0" else fmu.updateDiscreteStates()
+    fmu.enterContinuousTimeMode()
+    fmu.setTime(0.1)
+    return (fmu, fmu.getReal, fmu.setReal) if told.fmiVersion == "2.0" else (fmu, fmu.getFloat64, fmu.setFloat64)
+
 for path in sorted(glob.glob(os.path.join(sys.argv[1], "*.fmu"))):
     folder, told = extract(path), read_model_description(path)
-    numbers = [v for v in told.modelVariables if v.type == "Float64"]
+    numbers = [v for v in told.modelVariables if v.type in ("Real", "Float64")]
     of = lambda *kinds: [v.valueReference for v in numbers if v.causality in kinds]
     rates = [u.variable.valueReference for u in told.derivatives]
     states = [u.variable.derivative.valueReference for u in told.derivatives]
     unknowns = rates + [k for k in of("output") if k not in states]
     worst = 0.0
     for known in states + of("independent", "parameter", "input"):
-        fmu = FMU3Model(guid=told.instantiationToken, modelIdentifier=told.modelExchange.modelIdentifier, unzipDirectory=folder)
-        get, put = fmu.getFloat64, fmu.setFloat64
-        fmu.instantiate()
-        fmu.enterInitializationMode()
-        fmu.exitInitializationMode()
-        fmu.updateDiscreteStates()
-        fmu.enterContinuousTimeMode()
-        fmu.setTime(0.1)
+        fmu, get, put = started(folder, told)
         here = get([known])[0]
         if known in of("input"):
             put([known], [here])
@@ -130,10 +141,10 @@ fn folder(name: &str) -> PathBuf {
 }
 
 /// Exports a model with its options, and writes the table of the same run.
-fn export(folder: &Path, name: &str, options: &[&str]) {
+fn export(folder: &Path, version: &str, name: &str, options: &[&str]) {
     let model = format!("{MODELS}/{name}.yaml");
     let path = |end: &str| folder.join(format!("{name}.{end}")).to_str().unwrap().to_owned();
-    let told = run(&[&["export", &model, "--fmu", &path("fmu")], options].concat()).unwrap();
+    let told = run(&[&["export", &model, "--fmi", version, "--fmu", &path("fmu")], options].concat()).unwrap();
     assert!(told.starts_with("wrote "), "{told}");
     let description = String::from_utf8_lossy(&fs::read(path("fmu")).unwrap()).into_owned();
     let stop = description.split_once("stopTime=\"").and_then(|(_, rest)| rest.split_once('"')).unwrap().0;
@@ -155,9 +166,16 @@ fn fmus_move_as_the_program_does() {
         eprintln!("no Python with FMPy, or no C compiler: FMUs are not run");
         return;
     };
-    let folder = folder("fmu");
+    for version in ["2", "3"] {
+        compare(python, version);
+    }
+}
+
+/// Runs FMUs of a version of FMI.
+fn compare(python: &str, version: &str) {
+    let folder = folder(&format!("fmu-{version}"));
     for (name, options) in COMPARED {
-        export(&folder, name, options);
+        export(&folder, version, name, options);
     }
     let text = told(python, DRIVER, &folder);
     let lines: Vec<Vec<&str>> = text.lines().map(|line| line.splitn(5, ' ').collect()).collect();
@@ -198,6 +216,34 @@ fn an_fmu_has_its_variables_and_its_sources() {
         assert!(text.contains(part), "{part}");
     }
     assert!(bytes.starts_with(b"PK\x03\x04") && bytes[bytes.len() - 22..].starts_with(b"PK\x05\x06"));
+    fs::remove_dir_all(folder).unwrap();
+}
+
+/// The older version has the same variables in its own words.
+#[test]
+fn an_fmu_of_fmi_2_names_variables_by_their_places() {
+    let folder = folder("fmu-2-text");
+    let path = folder.join("bouncing_ball.fmu").to_str().unwrap().to_owned();
+    run(&["export", &format!("{MODELS}/bouncing_ball.yaml"), "--fmu", &path, "--fmi", "2"]).unwrap();
+    let bytes = fs::read(&path).unwrap();
+    let text = String::from_utf8_lossy(&bytes);
+    for part in [
+        "fmiVersion=\"2.0\"",
+        "numberOfEventIndicators=\"",
+        "<File name=\"fmi2_functions.c\"/>",
+        "providesDirectionalDerivative=\"true\"",
+        "<ScalarVariable name=\"x\" valueReference=\"1\" causality=\"output\" variability=\"continuous\" initial=\"exact\">\n      <Real unit=\"m\" start=\"0.0\"/>",
+        // Of the second variable, the first state.
+        "derivative=\"2\"/>",
+        "<ScalarVariable name=\"phase\"",
+        "<Integer start=\"0\"/>",
+        "fmi2Status fmi2DoStep(",
+    ] {
+        assert!(text.contains(part), "{part}");
+    }
+    assert!(!text.contains("fmi3") && !text.contains("buildDescription"));
+    let refused = run(&["export", &format!("{MODELS}/bouncing_ball.yaml"), "--fmu", &path, "--fmi", "1"]).unwrap_err();
+    assert!(refused.contains("--fmi") && refused.contains("2, 3"), "{refused}");
     fs::remove_dir_all(folder).unwrap();
 }
 

@@ -35,7 +35,8 @@ pub fn command() -> Command {
                 .arg(model())
                 .args(sizes())
                 .args(scene())
-                .arg(value("fmu", "FILE.fmu", "Write an FMU (FMI 3.0) that starts as the scene does: Model Exchange and Co-Simulation, sources, and where there is a C compiler a library").value_hint(ValueHint::FilePath))
+                .arg(value("fmu", "FILE.fmu", "Write an FMU that starts as the scene does: Model Exchange and Co-Simulation, sources, and where there is a C compiler a library").value_hint(ValueHint::FilePath))
+                .arg(value("fmi", "VERSION", "The FMU's version of FMI [default: 3]").value_parser(["2", "3"]).requires("fmu"))
                 .group(ArgGroup::new("what").args(["c", "fmu"]).multiple(true).required(true))
                 .arg(value("c", "FOLDER", "Write NAME.h, NAME.c and the core that all models share, C99").value_hint(ValueHint::DirPath)),
         )

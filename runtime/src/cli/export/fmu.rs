@@ -1,4 +1,4 @@
-//! A model as an FMU of FMI 3.0: its C, what an instance of it does, and, where there is a C compiler, the library made of both.
+//! A model as an FMU of FMI 3.0 or 2.0: its C, what an instance of it does, and, where there is a C compiler, the library made of both.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -12,14 +12,40 @@ use super::super::zip;
 use super::description::{Start, description};
 use super::tables;
 
+/// The version of FMI.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fmi {
+    /// 2.0.
+    Two,
+    /// 3.0.
+    Three,
+}
+
+impl Fmi {
+    /// Its functions in C.
+    fn functions(self) -> (&'static str, &'static str) {
+        match self {
+            Fmi::Two => ("fmi2_functions.c", include_str!("fmu/fmi2_functions.c")),
+            Fmi::Three => ("fmi3_functions.c", include_str!("fmu/fmi3_functions.c")),
+        }
+    }
+
+    /// What it calls Linux on x86-64.
+    fn platform(self) -> &'static str {
+        match self {
+            Fmi::Two => "linux64",
+            Fmi::Three => "x86_64-linux",
+        }
+    }
+}
+
 /// The C that all FMUs share.
-const SHARED: [(&str, &str); 6] = [
+const SHARED: [(&str, &str); 5] = [
     ("fmu_instance.h", include_str!("fmu/fmu_instance.h")),
     ("fmu_instance.c", include_str!("fmu/fmu_instance.c")),
     ("fmu_integrate.c", include_str!("fmu/fmu_integrate.c")),
     ("fmu_calls.h", include_str!("fmu/fmu_calls.h")),
     ("fmu_calls.c", include_str!("fmu/fmu_calls.c")),
-    ("fmi3_functions.c", include_str!("fmu/fmi3_functions.c")),
 ];
 
 /// What was written, and of the library why it was not.
@@ -34,7 +60,7 @@ pub struct Fmu {
 ///
 /// # Errors
 /// What the model has that an FMU cannot do.
-pub fn fmu(program: &Program, code: &CText, start: &Start) -> Result<Fmu, Problem> {
+pub fn fmu(fmi: Fmi, program: &Program, code: &CText, start: &Start) -> Result<Fmu, Problem> {
     refuse(program)?;
     let name = &code.prefix;
     let mut sources = vec![
@@ -44,16 +70,20 @@ pub fn fmu(program: &Program, code: &CText, start: &Start) -> Result<Fmu, Proble
         ("dalembert_core.c".to_owned(), print::core_file()),
         ("fmu_description.h".to_owned(), tables::tables(program, code, start)),
     ];
-    sources.extend(SHARED.iter().map(|(file, text)| ((*file).to_owned(), (*text).to_owned())));
+    let shared = SHARED.into_iter().chain([fmi.functions()]);
+    sources.extend(shared.map(|(file, text)| (file.to_owned(), text.to_owned())));
     let library = library(name, &sources);
-    let mut files = vec![
-        ("modelDescription.xml".to_owned(), description(program, code, start).into_bytes()),
-        ("sources/buildDescription.xml".to_owned(), build(name, &sources).into_bytes()),
-    ];
+    let compiled: Vec<String> =
+        sources.iter().map(|(file, _)| file.clone()).filter(|file| file.ends_with(".c")).collect();
+    let text = description(fmi, program, code, start, &compiled);
+    let mut files = vec![("modelDescription.xml".to_owned(), text.into_bytes())];
+    if fmi == Fmi::Three {
+        files.push(("sources/buildDescription.xml".to_owned(), build(name, &compiled).into_bytes()));
+    }
     files.extend(sources.into_iter().map(|(file, text)| (format!("sources/{file}"), text.into_bytes())));
     let without_library = match library {
         Ok(bytes) => {
-            files.push((format!("binaries/x86_64-linux/{name}.so"), bytes));
+            files.push((format!("binaries/{}/{name}.so", fmi.platform()), bytes));
             None
         }
         Err(reason) => Some(reason),
@@ -101,9 +131,8 @@ pub fn used_rates(program: &Program) -> Vec<(usize, usize)> {
     orders.filter(|(input, order)| symbols.contains(&Symbol::Input(*input as u32, *order as u8))).collect()
 }
 
-fn build(name: &str, sources: &[(String, String)]) -> String {
-    let files = sources.iter().filter(|(file, _)| file.ends_with(".c"));
-    let files: String = files.map(|(file, _)| format!("      <SourceFile name=\"{file}\"/>\n")).collect();
+fn build(name: &str, sources: &[String]) -> String {
+    let files: String = sources.iter().map(|file| format!("      <SourceFile name=\"{file}\"/>\n")).collect();
     format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiBuildDescription fmiVersion=\"3.0\">\n  <BuildConfiguration modelIdentifier=\"{name}\">\n    <SourceFileSet language=\"C99\">\n{files}    </SourceFileSet>\n  </BuildConfiguration>\n</fmiBuildDescription>\n"
     )

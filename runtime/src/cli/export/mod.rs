@@ -12,6 +12,7 @@ use clap::ArgMatches;
 use dalembert_symbolic::print::{self, CText};
 
 use self::description::Start;
+use self::fmu::Fmi;
 use super::load::Loaded;
 use super::set_up::set_up;
 use super::{Context, Problem, outputs};
@@ -38,7 +39,8 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
         }
         outputs::ends_in(path, &["fmu"])?;
         let start = start(&mut loaded, options)?;
-        let fmu = fmu::fmu(&program, &code, &start)?;
+        let two = options.get_one::<String>("fmi").is_some_and(|version| version == "2");
+        let fmu = fmu::fmu(if two { Fmi::Two } else { Fmi::Three }, &program, &code, &start)?;
         fs::write(path, fmu.bytes)?;
         match fmu.without_library {
             None => writeln!(out, "wrote {path}")?,

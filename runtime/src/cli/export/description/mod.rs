@@ -1,13 +1,17 @@
 //! `modelDescription.xml`: the variables of an FMU, their units and starts.
 
+mod fmi2;
+mod fmi3;
+
 use std::collections::{BTreeSet, HashSet};
-use std::fmt::Write;
+use std::ops::Range;
 
 use dalembert_symbolic::language::parse_unit;
 use dalembert_symbolic::lower::Program;
+use dalembert_symbolic::model::Model;
 use dalembert_symbolic::print::{CText, si_unit};
 
-use super::fmu::used_rates;
+use super::fmu::{Fmi, used_rates};
 
 /// Where a simulation begins.
 pub struct Start {
@@ -36,8 +40,10 @@ struct Variable {
     reference: usize,
     name: String,
     unit: String,
-    /// Attributes other than those, and than the start.
-    attributes: String,
+    /// Causality, variability and the like.
+    attributes: &'static str,
+    /// The state of which it is the derivative, by its value reference.
+    derivative_of: Option<usize>,
     start: Option<f64>,
     about: String,
 }
@@ -69,50 +75,79 @@ impl References {
     }
 }
 
+/// What both versions of FMI describe, each in its own words.
+struct Description<'a> {
+    model: &'a Model,
+    start: &'a Start,
+    /// What names of files and functions begin with.
+    prefix: &'a str,
+    has_slopes: bool,
+    /// Numbers, in the order of their value references, which have gaps.
+    variables: Vec<Variable>,
+    /// The phase, where there are several.
+    phase: Option<Phase>,
+    /// Value references of the states, the rates of these, outputs beside them, and event indicators.
+    states: Range<usize>,
+    derivatives: Range<usize>,
+    outputs: Range<usize>,
+    indicators: Range<usize>,
+}
+
+/// The only whole number.
+struct Phase {
+    reference: usize,
+    name: String,
+    /// Which phases there are.
+    about: String,
+}
+
 /// The text of the file.
-pub fn description(program: &Program, code: &CText, start: &Start) -> String {
+pub fn description(fmi: Fmi, program: &Program, code: &CText, start: &Start, sources: &[String]) -> String {
     let (model, references) = (&program.model, References::of(program));
     let variables = variables(program, &references, start);
-    let units: BTreeSet<&str> = variables.iter().map(|v| v.unit.as_str()).filter(|unit| !unit.is_empty()).collect();
-    let mut out = format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"3.0\" modelName=\"{}\" description=\"{}\" generationTool=\"dalembert {}\" instantiationToken=\"{}\" variableNamingConvention=\"flat\">\n",
-        escaped(&model.name),
-        escaped(model.about.trim()),
-        env!("CARGO_PKG_VERSION"),
-        start.token
-    );
-    for (kind, more) in [
-        ("ModelExchange", " needsCompletedIntegratorStep=\"true\""),
-        ("CoSimulation", " canHandleVariableCommunicationStepSize=\"true\""),
-    ] {
-        let _ = writeln!(
-            out,
-            "  <{kind} modelIdentifier=\"{}\" canGetAndSetFMUState=\"true\" providesDirectionalDerivatives=\"{}\"{more}/>",
-            code.prefix, code.has_slopes
-        );
-    }
-    out += "  <UnitDefinitions>\n";
-    units.iter().for_each(|unit| out += &unit_definition(unit));
-    let _ = write!(
-        out,
-        "  </UnitDefinitions>\n  <LogCategories>\n    <Category name=\"logStatusError\"/>\n  </LogCategories>\n  <DefaultExperiment startTime=\"0\" stopTime=\"{:?}\" tolerance=\"{:?}\"/>\n  <ModelVariables>\n",
-        start.until, start.tolerance
-    );
-    variables.iter().for_each(|variable| out += &variable.text());
-    if program.phases() > 0 {
+    let phase = (program.phases() > 0).then(|| {
         let names: Vec<String> = model.phases.iter().enumerate().map(|(k, p)| format!("{k} {}", p.name)).collect();
-        let _ = writeln!(
-            out,
-            "    <Int32 name=\"{}\" valueReference=\"{}\" causality=\"local\" variability=\"discrete\" initial=\"exact\" start=\"{}\" description=\"{}\"/>",
-            unique("phase", &variables.iter().map(|v| v.name.clone()).collect()),
-            references.phase,
-            start.phase,
-            escaped(&names.join(", "))
-        );
+        let taken = variables.iter().map(|variable| variable.name.clone()).collect();
+        Phase { reference: references.phase, name: unique("phase", &taken), about: names.join(", ") }
+    });
+    let all = Description {
+        model,
+        start,
+        prefix: &code.prefix,
+        has_slopes: code.has_slopes,
+        variables,
+        phase,
+        states: references.states..references.derivatives,
+        derivatives: references.derivatives..references.parameters,
+        outputs: references.outputs..references.indicators,
+        indicators: references.indicators..references.phase,
+    };
+    match fmi {
+        Fmi::Two => fmi2::text(&all, sources),
+        Fmi::Three => fmi3::text(&all),
     }
-    out += "  </ModelVariables>\n  <ModelStructure>\n";
-    out += &structure(program, &references);
-    out + "  </ModelStructure>\n</fmiModelDescription>\n"
+}
+
+impl Description<'_> {
+    /// Attributes of the whole, but for the version and its token.
+    fn head(&self) -> String {
+        format!(
+            "modelName=\"{}\" description=\"{}\" generationTool=\"dalembert {}\" variableNamingConvention=\"flat\"",
+            escaped(&self.model.name),
+            escaped(self.model.about.trim()),
+            env!("CARGO_PKG_VERSION"),
+        )
+    }
+
+    /// Units, categories of messages, and the experiment.
+    fn common(&self) -> String {
+        let units = self.variables.iter().map(|variable| variable.unit.as_str()).filter(|unit| !unit.is_empty());
+        let units: String = units.collect::<BTreeSet<&str>>().into_iter().map(unit_definition).collect();
+        format!(
+            "  <UnitDefinitions>\n{units}  </UnitDefinitions>\n  <LogCategories>\n    <Category name=\"logStatusError\"/>\n  </LogCategories>\n  <DefaultExperiment startTime=\"0\" stopTime=\"{:?}\" tolerance=\"{:?}\"/>\n",
+            self.start.until, self.start.tolerance
+        )
+    }
 }
 
 /// A name that none of these has.
@@ -124,18 +159,15 @@ fn unique(wanted: &str, taken: &HashSet<String>) -> String {
     name
 }
 
+/// An attribute; nothing where its value is empty.
+fn attribute(name: &str, value: &str) -> String {
+    if value.is_empty() { String::new() } else { format!(" {name}=\"{}\"", escaped(value)) }
+}
+
 impl Variable {
-    fn text(&self) -> String {
-        let start = self.start.map_or_else(String::new, |start| format!(" start=\"{start:?}\""));
-        let unit = if self.unit.is_empty() { String::new() } else { format!(" unit=\"{}\"", escaped(&self.unit)) };
-        let about =
-            if self.about.is_empty() { String::new() } else { format!(" description=\"{}\"", escaped(&self.about)) };
-        format!(
-            "    <Float64 name=\"{}\" valueReference=\"{}\" {}{unit}{start}{about}/>\n",
-            escaped(&self.name),
-            self.reference,
-            self.attributes
-        )
+    /// Its start as a value, empty where it has none.
+    fn starts_at(&self) -> String {
+        self.start.map_or_else(String::new, |start| format!("{start:?}"))
     }
 }
 
@@ -156,16 +188,18 @@ fn variables(program: &Program, at: &References, start: &Start) -> Vec<Variable>
         reference: 0,
         name: "time".to_owned(),
         unit: "s".to_owned(),
-        attributes: "causality=\"independent\" variability=\"continuous\"".to_owned(),
+        attributes: "causality=\"independent\" variability=\"continuous\"",
+        derivative_of: None,
         start: None,
         about: String::new(),
     }];
     out.extend(states(program, at, start));
-    let variable = |reference, name: &str, unit: &Option<String>, attributes: &str, start, about: &str| Variable {
+    let variable = |reference, name: &str, unit: &Option<String>, attributes, start, about: &str| Variable {
         reference,
         name: name.to_owned(),
         unit: in_si(unit),
-        attributes: attributes.to_owned(),
+        attributes,
+        derivative_of: None,
         start,
         about: about.to_owned(),
     };
@@ -236,7 +270,8 @@ fn states(program: &Program, at: &References, start: &Start) -> Vec<Variable> {
         reference: at.states + k,
         name: name.clone(),
         unit: unit.clone(),
-        attributes: "causality=\"output\" variability=\"continuous\" initial=\"exact\"".to_owned(),
+        attributes: "causality=\"output\" variability=\"continuous\" initial=\"exact\"",
+        derivative_of: None,
         start: Some(*value),
         about: String::new(),
     });
@@ -244,29 +279,12 @@ fn states(program: &Program, at: &References, start: &Start) -> Vec<Variable> {
         reference: at.derivatives + k,
         name: format!("der({name})"),
         unit: per_second(unit),
-        attributes: format!(
-            "causality=\"local\" variability=\"continuous\" initial=\"calculated\" derivative=\"{}\"",
-            at.states + k
-        ),
+        attributes: "causality=\"local\" variability=\"continuous\" initial=\"calculated\"",
+        derivative_of: Some(at.states + k),
         start: None,
         about: String::new(),
     });
     states.chain(derivatives).collect()
-}
-
-fn structure(program: &Program, at: &References) -> String {
-    let element = |kind: &str, range: std::ops::Range<usize>| {
-        range.map(|k| format!("    <{kind} valueReference=\"{k}\"/>\n")).collect::<String>()
-    };
-    [
-        element("Output", at.states..at.derivatives),
-        element("Output", at.outputs..at.indicators),
-        element("ContinuousStateDerivative", at.derivatives..at.parameters),
-        element("InitialUnknown", at.outputs..at.indicators),
-        element("InitialUnknown", at.derivatives..at.parameters),
-        element("EventIndicator", at.indicators..at.indicators + program.model.events.len() + program.switches.len()),
-    ]
-    .concat()
 }
 
 /// A unit by its exponents, where these are whole.
