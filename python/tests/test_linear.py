@@ -100,3 +100,53 @@ def test_rates_of_inputs_that_act_are_inputs_of_the_state():
 def test_a_model_without_inputs_has_an_empty_b():
     linear = dalembert.load("double_pendulum").linearise()
     assert linear.B.shape == (4, 0) and linear.F.shape == (2, 0)
+
+
+def test_outputs_have_matrices(cart, tmp_path):
+    linear = cart.linearise(out="tip,force,theta1'", in_="push,x")
+    assert linear.outputs == ["tip.x", "tip.y", "force", "theta1'"] and linear.output_units == ["m", "m", "N", "rad/s"]
+    assert linear.state_inputs[0] == "push" and linear.feedthrough.shape == (4, len(linear.state_inputs))
+    assert np.allclose(linear.output_matrix[0], [1, 0.5, 0.5, 0, 0, 0]) and np.array_equal(linear.output_matrix[3], np.eye(6)[4])
+    system = linear.state_space()
+    assert system.output_labels == ["tip_x", "tip_y", "force", "theta1'"] and np.array_equal(system.C, linear.output_matrix)
+    # The program writes the same.
+    file = tmp_path / "cart.npz"
+    cart._answer("modes", [f"--state-space={file}", "--in=push,x", "--out=tip,force,theta1'", "--json"])
+    written = np.load(file)
+    for name, ours in {"A": linear.A, "B": linear.B, "C": linear.output_matrix, "D": linear.feedthrough}.items():
+        assert np.array_equal(written[name], ours), name
+    assert list(written["inputs"]) == linear.state_inputs
+
+
+def test_inputs_in_outputs_are_fed_through():
+    spring = dalembert.load(
+        "{name: Spring, parameters: {m: 2 kg, k: 8 N/m}, coordinates: {x: m}, inputs: {push: 0 N}, "
+        "bodies: {block: {mass: m, position: '[x, 0]'}}, springs: {spring: {stretch: x, stiffness: k, along: ground.x, on: block}}, "
+        "forces: {motor: {on: block, force: '[push, 0]'}}, outputs: {left: push - k*x}}"
+    )
+    linear = spring.linearise(out="left")
+    assert np.allclose(linear.output_matrix, [[-8, 0]]) and np.allclose(linear.feedthrough, [[1]])
+
+
+def test_outputs_are_the_state_where_none_are_named(linear):
+    assert linear.outputs == linear.variables and np.array_equal(linear.output_matrix, np.eye(6))
+    assert not linear.feedthrough.any() and linear.output_units == linear.units and linear.time is None
+
+
+def test_departures_from_a_motion(cart):
+    gains = {"k1": -60.0, "k2": 50.0}
+    motion = cart.simulate(set=gains, tolerance=1e-12, until=0.4)
+    linear = cart.linearise(set=gains, at_time=0.4, out="x,tip")
+    assert linear.time == 0.4 and linear.place["theta1"] == pytest.approx(motion["theta1"][-1], abs=1e-9)
+    state = [linear.place[name] for name in linear.variables]
+    jacobian = cart.equations(set=gains).jacobian(0.4, state)
+    assert np.allclose(linear.A, jacobian, rtol=1e-9, atol=1e-9)
+    assert linear.outputs == ["x", "tip.x", "tip.y"] and np.array_equal(linear.output_matrix[0], np.eye(6)[0])
+    modes = cart.modes(set=gains, at_time="400 ms")
+    assert np.array_equal(modes["A"], linear.A)
+    assert np.allclose(np.sort_complex(modes.eigenvalues), np.sort_complex(np.linalg.eigvals(linear.A)))
+    for missing in [lambda: linear.M, lambda: linear.equilibrium, lambda: modes.omega, lambda: modes.frame()]:
+        with pytest.raises(AttributeError):
+            missing()
+    with pytest.raises(dalembert.UsageError, match="about a rest"):
+        cart.linearise(at_time=1, steady=True)

@@ -37,11 +37,10 @@ ELSEWHERE = {
     "resume",
     "log",
     "merge",
-    # Matrices for programs of control: `linearise` has those about a rest.
+    # Matrices for programs of control: `linearise` has them, with these inputs and outputs.
     "state-space",
     "in",
     "out",
-    "at-time",
 }
 
 

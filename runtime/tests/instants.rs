@@ -122,6 +122,9 @@ fn the_command_runs_the_scene_until_then() {
     let [up, down] = [step, -step].map(|s| by_hand(number(theta) + s, number(rate), number(i))[1]);
     assert!((number(&json["A"][3][1]) - (up - down) / (2.0 * step)).abs() < 1e-6);
     assert!(json["warnings"][0].as_str().expect("text").contains("not whether the motion is stable"));
+    let growth: f64 = json["eigenvalues"].as_array().expect("pairs").iter().map(|pair| number(&pair[0])).sum();
+    let trace: f64 = (0..5).map(|i| number(&json["A"][i][i])).sum();
+    assert!((growth - trace).abs() < 1e-9, "{growth} {trace}");
     let (outcome, text) = modes(CART, "told", &["--at-time", "0"]);
     outcome.unwrap();
     assert!(text.contains("at t = 0 s of its motion, x = 0, theta = 1, x' = 0, theta' = -2, i = 0"), "{text}");

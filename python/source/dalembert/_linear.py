@@ -17,14 +17,15 @@ _Array = NDArray[np.float64]
 
 
 class Linear(Report):
-    """M q'' + C q' + K q = F u about an equilibrium, and x' = A x + B u with x = (q, q').
+    """M q'' + C q' + K q = F u about an equilibrium, and x' = A x + B u, y = output_matrix x + feedthrough u with x = (q, q').
 
-    All numbers are in SI units. Models with states of first order have A and B only.
+    All numbers are in SI units. Models with states of first order, and departures from a motion (`at_time`), have no M, C, K and F.
     """
 
     def _matrix(self, name: str) -> _Array:
         if name not in self.data:
-            raise AttributeError(f"a model with states of first order has no {name}: only A and B")
+            what = "a model with states of first order has" if self.time is None else "departures from a motion have"
+            raise AttributeError(f"{what} no {name}: only A and B, and C and D of outputs")
         return _matrix(self.data[name])
 
     @property
@@ -58,6 +59,28 @@ class Linear(Report):
         return _matrix(self.data["state"]["B"])
 
     @property
+    def output_matrix(self) -> _Array:
+        """C of y = C x + D u, a row for each output; x itself where `out` named none."""
+        state = self.data["state"]
+        return _matrix(state["C"]) if "C" in state else np.eye(len(self.variables))
+
+    @property
+    def feedthrough(self) -> _Array:
+        """D of y = C x + D u, a column for each of `state_inputs`."""
+        state = self.data["state"]
+        return _matrix(state["D"]) if "D" in state else np.zeros((len(self.variables), len(self.state_inputs)))
+
+    @property
+    def outputs(self) -> list[str]:
+        """The names of y."""
+        return self.data["state"].get("outputs", self.variables)
+
+    @property
+    def output_units(self) -> list[str]:
+        """The units of y."""
+        return self.data["state"].get("output_units", self.units)
+
+    @property
     def state_inputs(self) -> list[str]:
         """The names of u in B u: the inputs, and after each those of its rates that act."""
         return self.data["state"]["inputs"]
@@ -89,16 +112,28 @@ class Linear(Report):
 
     @property
     def equilibrium(self) -> dict[str, float]:
-        """Where."""
+        """Where, about an equilibrium."""
+        if "equilibrium" not in self.data:
+            raise AttributeError("a motion is no equilibrium: `place` is the state at the instant `time`")
         return self.data["equilibrium"]
 
+    @property
+    def time(self) -> Optional[float]:
+        """The instant of the motion, s, that `at_time` chose; None about an equilibrium."""
+        return self.data.get("time")
+
+    @property
+    def place(self) -> dict[str, float]:
+        """Where: the coordinates of the equilibrium, or the state at that instant."""
+        return self.data["equilibrium"] if self.time is None else self.data["place"]
+
     def state_space(self) -> control.StateSpace:
-        """The same for python-control, with names; every variable of x is an output."""
+        """A, B, C and D for python-control, with names, in which `_` stands for dots; every variable of x is an output where `out` named none."""
         import control
 
-        n, m = len(self.variables), len(self.state_inputs)
-        names = {"states": self.variables, "outputs": self.variables, "inputs": self.state_inputs}
-        return control.ss(self.A, self.B, np.eye(n), np.zeros((n, m)), **names)
+        kinds = {"states": self.variables, "outputs": self.outputs, "inputs": self.state_inputs}
+        names = {kind: [name.replace(".", "_") for name in names] for kind, names in kinds.items()}
+        return control.ss(self.A, self.B, self.output_matrix, self.feedthrough, **names)
 
 
 def _matrix(rows: list[list[float]]) -> _Array:
@@ -114,36 +149,42 @@ class Modes(Report):
         self._again = again
 
     @property
+    def _modes(self) -> list[dict[str, Any]]:
+        if "modes" not in self.data:
+            raise AttributeError("there are eigenvalues of A here, but no modes of M, C and K: see `eigenvalues`")
+        return self.data["modes"]
+
+    @property
     def eigenvalues(self) -> NDArray[np.complex128]:
         """The eigenvalues, 1/s."""
-        pairs = self.data["eigenvalues"] if "eigenvalues" in self.data else [m["eigenvalue"] for m in self.data["modes"]]
+        pairs = self.data["eigenvalues"] if "eigenvalues" in self.data else [m["eigenvalue"] for m in self._modes]
         return np.array([complex(*pair) for pair in pairs], dtype=complex)
 
     @property
     def omega(self) -> _Array:
         """Natural frequencies, rad/s."""
-        return np.array([mode["omega"] for mode in self.data["modes"]])
+        return np.array([mode["omega"] for mode in self._modes])
 
     @property
     def hz(self) -> _Array:
         """The same in Hz."""
-        return np.array([mode["hz"] for mode in self.data["modes"]])
+        return np.array([mode["hz"] for mode in self._modes])
 
     @property
     def zeta(self) -> _Array:
         """Damping ratios; NaN where a mode has none."""
-        return np.array([np.nan if mode["zeta"] is None else mode["zeta"] for mode in self.data["modes"]])
+        return np.array([np.nan if mode["zeta"] is None else mode["zeta"] for mode in self._modes])
 
     @property
     def shapes(self) -> NDArray[np.complex128]:
         """Mode shapes, a column each, in the file's coordinates."""
-        return np.array([[complex(*x) for x in mode["shape"]] for mode in self.data["modes"]], dtype=complex).T
+        return np.array([[complex(*x) for x in mode["shape"]] for mode in self._modes], dtype=complex).T
 
     def frame(self) -> pandas.DataFrame:
         """A row for each mode."""
         import pandas
 
-        modes: list[dict[str, Any]] = self.data["modes"]
+        modes = self._modes
         columns = ["omega", "hz", "zeta", "kind"]
         frame = pandas.DataFrame([{name: mode[name] for name in columns} for mode in modes], columns=columns)
         frame.index = pandas.RangeIndex(1, len(modes) + 1, name="mode")

@@ -190,6 +190,7 @@ class Mechanism:
         sampled: bool = False,
         steady: bool = False,
         here: bool = False,
+        at_time: Optional[Value] = None,
         drive: Optional[_Names] = None,
         omega: Optional[Value] = None,
         response: Optional[_Names] = None,
@@ -200,6 +201,7 @@ class Mechanism:
         """Finds an equilibrium, from `at` or the file's guess, and the modes of small motions about it.
 
         `hold` and `solve` trim: inputs, parameters or held values are found with which what is held rests where it is said to be.
+        `at_time` asks for small departures from the scene's motion instead, as they are then: `eigenvalues` and `["A"]`, but no modes.
         """
         given = options(
             scene=scene,
@@ -212,6 +214,7 @@ class Mechanism:
             sampled=sampled,
             steady=steady,
             here=here,
+            at_time=at_time,
             drive=drive,
             omega=omega,
             response=response,
@@ -237,11 +240,31 @@ class Mechanism:
         phase: Optional[str] = None,
         steady: bool = False,
         here: bool = False,
+        at_time: Optional[Value] = None,
+        in_: Optional[_Names] = None,
+        out: Optional[_Names] = None,
         params: Optional[_Path] = None,
     ) -> Linear:
-        """Finds an equilibrium as `modes` does, and gives the matrices there: M, C, K, F, and A and B of x' = A x + B u."""
+        """Finds an equilibrium as `modes` does, and gives the matrices there: M, C, K, F, and A and B of x' = A x + B u.
+
+        `out` names outputs (coordinates, rates, states, outputs), of which `output_matrix` and `feedthrough` are C and D of y = C x + D u; `in_` names
+        what u is: inputs, entries of `forces` or `torques`, coordinates that a force acts on; all inputs if not given.
+        `at_time` asks for small departures from the scene's motion instead, as they are then.
+        """
         given = options(
-            scene=scene, set=set, at=at, hold=hold, solve=solve, input=input, phase=phase, steady=steady, here=here, params=params
+            scene=scene,
+            set=set,
+            at=at,
+            hold=hold,
+            solve=solve,
+            input=input,
+            phase=phase,
+            steady=steady,
+            here=here,
+            at_time=at_time,
+            in_=in_,
+            out=out,
+            params=params,
         )
         return Linear(self._model.linearise(given))
 

@@ -168,12 +168,15 @@ impl Session {
     }
 
     /// Linearises as `modes` does, by its options: one JSON object with M, C, K and F of
-    /// M q'' + C q' + K q = F u (and what u' and u'' do), A and B of x' = A x + B u, names and units.
+    /// M q'' + C q' + K q = F u (and what u' and u'' do), A and B of x' = A x + B u, names and units; with `--out` C and D of
+    /// y = C x + D u; with `--at-time` A to D of departures from a motion.
     ///
     /// # Errors
     /// What `modes` refuses.
     pub fn linearise(&self, options: &[String]) -> Result<String, Problem> {
-        let options = self.options("modes", options)?;
+        // `--in` and `--out` are of the state space, which is not written here.
+        let options = [options, &["--state-space=linear.json".to_owned()]].concat();
+        let options = self.options("modes", &options)?;
         modes::linearised(self.context(), &options).map(|found| json_text(&found))
     }
 

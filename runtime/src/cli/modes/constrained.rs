@@ -116,7 +116,8 @@ pub fn run(
     }
     let mut written = Vec::new();
     pictures(loaded, options, &found.linear, &modes, &mut written)?;
-    state_space::of_model(loaded, options, reader, model, &mut written)?;
+    let space = || state_space::of_model(loaded, options, reader, model);
+    state_space::write(&loaded.name, options, space, &mut written)?;
     if options.get_flag("json") {
         let reactions =
             names.iter().zip(&found.multipliers).map(|(row, value)| (row.row.clone(), json::number(*value)));
@@ -186,7 +187,10 @@ fn by_departures(
     let model = at.as_ref().map(Model::Held);
     let driven = model.map_or(Ok(None), |model| Driven::new(loaded, options, reader, model))?;
     let mut written = Vec::new();
-    model.map_or(Ok(()), |model| state_space::of_model(loaded, options, reader, model, &mut written))?;
+    if let Some(model) = model {
+        let space = || state_space::of_model(loaded, options, reader, model);
+        state_space::write(&loaded.name, options, space, &mut written)?;
+    }
     let untried = integrals::notes(system, &found.equilibrium, locus.as_ref());
     let more = driven.iter().flat_map(Driven::notes).chain(locus.iter().flat_map(Locus::notes));
     for note in contacts::notes(system, &found.equilibrium).into_iter().chain(untried).chain(more) {

@@ -8,11 +8,10 @@ use super::super::json::{number, object};
 use super::super::load::Loaded;
 use super::super::set_up::Reader;
 use super::super::{Context, Problem};
-#[cfg(feature = "modal")]
-use super::state_space::input_unit;
-use super::state_space::{all_inputs, matrix};
+use super::model::Model;
+use super::state_space::{self, all_inputs, input_unit, matrix};
 use super::trim::Trim;
-use super::{Place, Prepared, failed, prepared};
+use super::{Place, Prepared, failed, instant, prepared};
 #[cfg(feature = "modal")]
 use crate::linear::linearise_states;
 use crate::linear::{
@@ -20,23 +19,33 @@ use crate::linear::{
     linearise_constrained,
 };
 
-/// Linearises as `modes` does, by the same options, and returns all matrices with names and units.
+/// Linearises as `modes` does, by the same options, and returns all matrices with names and units; C and D where `--out` names outputs.
 pub fn linearised(context: Context<'_>, options: &ArgMatches) -> Result<Value, Problem> {
-    let Prepared { loaded, mut reader, place: Place { guess, here, trim }, held, .. } = prepared(context, options)?;
-    let system = &*loaded.system;
-    let warnings = ("warnings", json!(loaded.warnings.iter().chain(&held).collect::<Vec<_>>()));
-    if system.description().has_states() {
-        return of_first_order(&loaded, &mut reader, (&guess, here), trim.as_ref(), warnings);
+    if options.get_one::<String>("at-time").is_some() {
+        return departures(context, options);
     }
-    let linear = match has_dependent_coordinates(system) {
-        true => linearise_constrained(system, &guess, here).map_err(failed)?.linear,
-        false => {
-            let found = if here { equilibrium_here(system, &guess) } else { equilibrium_near(system, &guess) };
-            linearise(system, &found.map_err(failed)?).map_err(failed)?
-        }
+    let Prepared { loaded, mut reader, place: Place { guess, here, trim }, held: notes, .. } =
+        prepared(context, options)?;
+    let system = &*loaded.system;
+    let warnings = ("warnings", json!(loaded.warnings.iter().chain(&notes).collect::<Vec<_>>()));
+    if system.description().has_states() {
+        return of_first_order(&loaded, options, &mut reader, (&guess, here), trim.as_ref(), warnings);
+    }
+    let (free, held);
+    let model = if has_dependent_coordinates(system) {
+        held = linearise_constrained(system, &guess, here).map_err(failed)?;
+        Model::Held(&held)
+    } else {
+        let found = if here { equilibrium_here(system, &guess) } else { equilibrium_near(system, &guess) };
+        free = linearise(system, &found.map_err(failed)?).map_err(failed)?;
+        Model::Free(&free)
     };
-    let drives = all_inputs(&loaded, &mut reader, &linear)?;
-    let state = linear.input_output(&drives, &Observed::coordinates(&linear)).map_err(failed)?;
+    let linear = model.linear();
+    let drives = all_inputs(&loaded, &mut reader, linear)?;
+    let state = match names_ends(options) {
+        true => state_space::of_model(&loaded, options, &mut reader, model)?,
+        false => linear.input_output(&drives, &Observed::coordinates(linear)).map_err(failed)?,
+    };
     let input = linear.input.to_dense();
     let of_order = |order: usize| DMatrix::from_fn(linear.len(), linear.inputs.len(), |i, j| input[(i, 3 * j + order)]);
     let entries = [
@@ -52,7 +61,7 @@ pub fn linearised(context: Context<'_>, options: &ArgMatches) -> Result<Value, P
         ("F", matrix(&of_order(0))),
         ("F_rates", matrix(&of_order(1))),
         ("F_accelerations", matrix(&of_order(2))),
-        ("state", of_state(&state)),
+        ("state", of_state(&state, options)),
         warnings,
     ];
     Ok(object(entries.into_iter().chain(trim.iter().map(Trim::as_json))))
@@ -61,6 +70,7 @@ pub fn linearised(context: Context<'_>, options: &ArgMatches) -> Result<Value, P
 #[cfg(feature = "modal")]
 fn of_first_order(
     loaded: &Loaded,
+    options: &ArgMatches,
     reader: &mut Reader,
     (guess, here): (&crate::linear::Guess, bool),
     trim: Option<&Trim>,
@@ -70,14 +80,13 @@ fn of_first_order(
     let found = linearise_states(system, guess, here).map_err(failed)?;
     let names = &system.description().inputs;
     let units = names.iter().map(|name| input_unit(loaded, reader, name)).collect::<Result<Vec<_>, _>>()?;
-    let inputs: Vec<(usize, String)> = units.iter().cloned().enumerate().collect();
-    let state = found.input_output(system, &inputs, &[]).map_err(failed)?;
+    let state = state_space::of_states(loaded, options, reader, &found)?;
     let entries = [
         ("model", json!(loaded.name)),
         ("equilibrium", object(found.place.into_iter().map(|(name, value)| (name, number(value))))),
         ("inputs", json!(names.iter().map(|name| &**name).collect::<Vec<_>>())),
         ("input_units", json!(units)),
-        ("state", of_state(&state)),
+        ("state", of_state(&state, options)),
         warnings,
     ];
     Ok(object(entries.into_iter().chain(trim.map(Trim::as_json))))
@@ -86,6 +95,7 @@ fn of_first_order(
 #[cfg(not(feature = "modal"))]
 fn of_first_order(
     _: &Loaded,
+    _: &ArgMatches,
     _: &mut Reader,
     _: (&crate::linear::Guess, bool),
     _: Option<&Trim>,
@@ -94,17 +104,49 @@ fn of_first_order(
     Err(failed(crate::linear::LinearError::NeedsFeature { feature: "modal" }))
 }
 
-/// x' = A x + B u, where u are the inputs and after each those of its rates that act.
-fn of_state(found: &InputOutput) -> Value {
+/// Small departures from a motion, at an instant of it.
+fn departures(context: Context<'_>, options: &ArgMatches) -> Result<Value, Problem> {
+    let departures = instant::departures(context, options)?;
+    let mut reader = Reader::new(&departures.loaded);
+    let names: Vec<String> = departures.loaded.system.description().inputs.iter().map(ToString::to_string).collect();
+    let unit = |name: &String| input_unit(&departures.loaded, &mut reader, name);
+    let units = names.iter().map(unit).collect::<Result<Vec<_>, _>>()?;
+    Ok(object([
+        ("model", json!(departures.loaded.name)),
+        ("time", number(departures.time)),
+        ("place", departures.place()),
+        ("inputs", json!(names)),
+        ("input_units", json!(units)),
+        ("state", of_state(&departures.found, options)),
+        ("warnings", json!(departures.warnings)),
+    ]))
+}
+
+/// Whether inputs or outputs are named.
+fn names_ends(options: &ArgMatches) -> bool {
+    ["in", "out"].iter().any(|name| options.contains_id(name))
+}
+
+/// x' = A x + B u, where u are the inputs and after each those of its rates that act; and y = C x + D u of outputs that are named.
+fn of_state(found: &InputOutput, options: &ArgMatches) -> Value {
     let column = |list: &[[String; 2]], k: usize| json!(list.iter().map(|entry| &*entry[k]).collect::<Vec<_>>());
-    object([
+    let mut entries = vec![
         ("variables", column(&found.states, 0)),
         ("units", column(&found.states, 1)),
         ("inputs", column(&found.inputs, 0)),
         ("input_units", column(&found.inputs, 1)),
         ("A", matrix(&found.a)),
         ("B", matrix(&found.b)),
-    ])
+    ];
+    if options.contains_id("out") {
+        entries.extend([
+            ("outputs", column(&found.outputs, 0)),
+            ("output_units", column(&found.outputs, 1)),
+            ("C", matrix(&found.c)),
+            ("D", matrix(&found.d)),
+        ]);
+    }
+    object(entries)
 }
 
 fn place(at: &Equilibrium) -> Value {

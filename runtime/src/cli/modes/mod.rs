@@ -99,7 +99,8 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     }
     let mut written = Vec::new();
     pictures(&loaded, options, &linear, &modes, &mut written)?;
-    state_space::of_model(&loaded, options, &mut reader, Model::Free(&linear), &mut written)?;
+    let space = || state_space::of_model(&loaded, options, &mut reader, Model::Free(&linear));
+    state_space::write(&loaded.name, options, space, &mut written)?;
     if options.get_flag("json") {
         let mut more: Vec<_> = damping.iter().map(Damping::as_json).collect();
         more.extend(motion.iter().map(Compared::as_json));

@@ -24,18 +24,16 @@ use crate::mechanism::At;
 /// Endings of files that are written.
 pub const ENDINGS: [&str; 4] = ["json", "npz", "m", "csv"];
 
-/// Writes the file that was asked for, and says what inputs do not reach and outputs do not show.
+/// Of small motions: what inputs do, and what is seen.
 ///
 /// # Errors
-/// Names that are unknown, and a file that cannot be written.
+/// Names that are unknown.
 pub fn of_model(
     loaded: &Loaded,
     options: &ArgMatches,
     reader: &mut Reader,
     model: Model<'_>,
-    out: &mut dyn Write,
-) -> Result<(), Problem> {
-    let Some(path) = options.get_one::<String>("state-space") else { return Ok(()) };
+) -> Result<InputOutput, Problem> {
     let mut drives = Vec::new();
     for name in inputs(loaded, options) {
         model.can_move(&name).map_err(failed)?;
@@ -45,8 +43,7 @@ pub fn of_model(
     let answers = answers(loaded, options)?;
     let answers: Vec<&str> = answers.iter().map(String::as_str).collect();
     let seen = model.observe(loaded, &answers).map_err(failed)?;
-    let found = model.linear().input_output(&drives, &seen).map_err(failed)?;
-    write(path, &loaded.name, &found, options, out)
+    model.linear().input_output(&drives, &seen).map_err(failed)
 }
 
 /// The same of a mechanism with states of first order.
@@ -56,10 +53,7 @@ pub fn of_states(
     options: &ArgMatches,
     reader: &mut Reader,
     found: &crate::linear::StateSpace,
-    out: &mut dyn Write,
-) -> Result<(), Problem> {
-    let Some(path) = options.get_one::<String>("state-space") else { return Ok(()) };
-    let system = &*loaded.system;
+) -> Result<InputOutput, Problem> {
     let mut chosen = Vec::new();
     for name in inputs(loaded, options) {
         let place = input_place(loaded, &name)?;
@@ -67,20 +61,18 @@ pub fn of_states(
     }
     let answers = answers(loaded, options)?;
     let answers: Vec<&str> = answers.iter().map(String::as_str).collect();
-    let found = found.input_output(system, &chosen, &answers).map_err(failed)?;
-    write(path, &loaded.name, &found, options, out)
+    found.input_output(&*loaded.system, &chosen, &answers).map_err(failed)
 }
 
-/// What small departures from a motion do at an instant.
+/// The same of small departures from a motion at an instant.
 ///
 /// # Errors
-/// Names that are unknown, and a file that cannot be written.
+/// Names that are unknown.
 pub fn of_instant(
     loaded: &Loaded,
     options: &ArgMatches,
     reader: &mut Reader,
     at: At<'_>,
-    out: &mut dyn Write,
 ) -> Result<InputOutput, Problem> {
     let mut drives = Vec::new();
     for name in inputs(loaded, options) {
@@ -90,11 +82,7 @@ pub fn of_instant(
     }
     let answers = answers(loaded, options)?;
     let answers: Vec<&str> = answers.iter().map(String::as_str).collect();
-    let found = linearise_instant(&*loaded.system, at, &drives, &answers).map_err(failed)?;
-    if let Some(path) = options.get_one::<String>("state-space") {
-        write(path, &loaded.name, &found, options, out)?;
-    }
-    Ok(found)
+    linearise_instant(&*loaded.system, at, &drives, &answers).map_err(failed)
 }
 
 /// All inputs of a model.
@@ -136,13 +124,18 @@ fn answers(loaded: &Loaded, options: &ArgMatches) -> Result<Vec<String>, Problem
     }
 }
 
-fn write(
-    path: &str,
+/// Writes the file that was asked for, if one was, and says what inputs do not reach and outputs do not show.
+///
+/// # Errors
+/// Those of finding it, and a file that cannot be written.
+pub fn write(
     name: &str,
-    found: &InputOutput,
     options: &ArgMatches,
+    find: impl FnOnce() -> Result<InputOutput, Problem>,
     out: &mut dyn Write,
 ) -> Result<(), Problem> {
+    let Some(path) = options.get_one::<String>("state-space") else { return Ok(()) };
+    let found = &find()?;
     let ending = Path::new(path).extension().map_or_else(String::new, |ending| ending.to_string_lossy().to_lowercase());
     let bytes = match ending.as_str() {
         "npz" => npz(found),
@@ -209,7 +202,7 @@ pub fn as_json(name: &str, found: &InputOutput, more: impl IntoIterator<Item = (
 }
 
 /// All digits of a number; no sign of 0.
-fn written(x: &f64) -> String {
+fn digits(x: &f64) -> String {
     format!("{:e}", x + 0.0)
 }
 
@@ -217,7 +210,7 @@ fn written(x: &f64) -> String {
 fn script(name: &str, found: &InputOutput) -> String {
     let mut text = format!("% Small motions of {name}: x' = A x + B u, y = C x + D u, SI.\n");
     for (letter, matrix) in matrices(found) {
-        let row = |i: usize| matrix.row(i).iter().map(written).collect::<Vec<_>>().join(" ");
+        let row = |i: usize| matrix.row(i).iter().map(digits).collect::<Vec<_>>().join(" ");
         let rows = (0..matrix.nrows()).map(row).collect::<Vec<_>>().join("; ");
         let _ = match matrix.is_empty() {
             true => writeln!(text, "{letter} = zeros({}, {});", matrix.nrows(), matrix.ncols()),
@@ -242,7 +235,7 @@ fn table(found: &InputOutput) -> String {
     let blocks = [(&states, &found.a, &found.b, "'"), (&outputs, &found.c, &found.d, "")];
     for (names, left, right, rate) in blocks {
         for (i, name) in names.iter().enumerate() {
-            let values = left.row(i).iter().chain(right.row(i).iter()).map(written).collect::<Vec<_>>();
+            let values = left.row(i).iter().chain(right.row(i).iter()).map(digits).collect::<Vec<_>>();
             let _ = writeln!(text, "{},{}", quoted(&format!("{name}{rate}")), values.join(","));
         }
     }

@@ -48,7 +48,8 @@ pub fn run(
     }
     let found = linearise_states(system, guess, *here).map_err(failed)?;
     let mut written = Vec::new();
-    state_space::of_states(loaded, options, reader, &found, &mut written)?;
+    let space = || state_space::of_states(loaded, options, reader, &found);
+    state_space::write(&loaded.name, options, space, &mut written)?;
     if options.get_flag("json") {
         return Ok(json::write(&as_json(&loaded.name, &found, trim.as_ref()), out)?);
     }
