@@ -19,6 +19,7 @@ ELSEWHERE = {
     "json",
     "plot",
     "csv",
+    "npz",
     "animate",
     "save",
     "show",

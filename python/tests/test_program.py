@@ -1,8 +1,11 @@
+import csv
 import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
+
+import numpy as np
 
 PROGRAM = Path(sys.executable).with_name("dalembert")
 
@@ -18,6 +21,15 @@ def test_exit_codes_are_the_programs(program, tmp_path):
     wrong = tmp_path / "wrong.yaml"
     wrong.write_text("name: Wrong")
     program("check", str(wrong), status=1)
+
+
+def test_a_table_is_written_as_arrays(program, tmp_path):
+    table, arrays = tmp_path / "table.csv", tmp_path / "table.npz"
+    program("sweep", "double_pendulum", "--vary=l=0.5..2:5", "--until=1", f"--csv={table}", f"--npz={arrays}")
+    rows, found = list(csv.reader(table.read_text(encoding="utf-8").splitlines())), np.load(arrays)
+    assert list(found) == rows[0] and found["run"].tolist() == [0, 1, 2, 3, 4] and not any(found["error"])
+    for name, *column in list(zip(*rows))[1:-1]:
+        assert np.array_equal(found[name], [float(x) if x else np.nan for x in column], equal_nan=True), name
 
 
 def test_ctrl_c_writes_what_was_computed():

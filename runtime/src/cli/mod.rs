@@ -29,6 +29,7 @@ mod load;
 mod modes;
 mod needs;
 mod new;
+mod npz;
 mod orbit;
 mod outputs;
 mod plotted;

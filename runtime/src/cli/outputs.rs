@@ -47,6 +47,7 @@ pub fn check_paths<'a>(paths: impl Iterator<Item = (&'a str, &'a str)>, model: &
             "plot" => drawable(path)?,
             "animate" => playable(path)?,
             "csv" => ends_in(path, &["csv"])?,
+            "npz" => ends_in(path, &["npz"])?,
             "save" => ends_in(path, &["yaml", "yml", "txt"])?,
             "write" => ends_in(path, &["yaml", "yml"])?,
             _ => (),

@@ -8,11 +8,12 @@ use clap::ArgMatches;
 use nalgebra::DMatrix;
 use serde_json::{Value, json};
 
+use super::super::Problem;
 use super::super::json::number;
 use super::super::load::Loaded;
+use super::super::npz::{self, Archive};
 use super::super::plotted::{listed, parts};
 use super::super::set_up::Reader;
-use super::super::{Problem, zip};
 use super::failed;
 use super::model::Model;
 use super::shaken::{Shaken, named};
@@ -138,7 +139,7 @@ pub fn write(
     let found = &find()?;
     let ending = Path::new(path).extension().map_or_else(String::new, |ending| ending.to_string_lossy().to_lowercase());
     let bytes = match ending.as_str() {
-        "npz" => npz(found),
+        "npz" => arrays(found).ok_or_else(|| Problem::File(npz::too_large(path)))?,
         "m" => script(name, found).into_bytes(),
         "csv" => table(found).into_bytes(),
         _ => (serde_json::to_string_pretty(&as_json(name, found, [])).unwrap_or_default() + "\n").into_bytes(),
@@ -242,41 +243,17 @@ fn table(found: &InputOutput) -> String {
     text
 }
 
-/// An archive of NumPy's arrays (NumPy, A simple file format for NumPy arrays, version 1.0).
-fn npz(found: &InputOutput) -> Vec<u8> {
-    let mut files: Vec<(String, Vec<u8>)> = Vec::new();
+/// NumPy's arrays; `None` where they are too large for an archive.
+fn arrays(found: &InputOutput) -> Option<Vec<u8>> {
+    let mut archive = Archive::default();
     for (name, matrix) in matrices(found) {
-        let data = matrix.transpose().iter().flat_map(|x| x.to_le_bytes()).collect();
-        let shape = format!("({}, {})", matrix.nrows(), matrix.ncols());
-        files.push((format!("{name}.npy"), npy("<f8", &shape, data)));
+        archive.numbers(name, &[matrix.nrows(), matrix.ncols()], matrix.transpose().iter().copied());
     }
     for (kind, list) in lists(found) {
         for (k, ending) in ["s", "_units"].into_iter().enumerate() {
-            let longest = list.iter().map(|entry| entry[k].chars().count()).max().unwrap_or(0).max(1);
-            let padded = |text: &String| {
-                let letters = text.chars().map(u32::from).chain(std::iter::repeat(0)).take(longest);
-                letters.flat_map(u32::to_le_bytes).collect::<Vec<u8>>()
-            };
-            let data = list.iter().flat_map(|entry| padded(&entry[k])).collect();
-            files.push((
-                format!("{kind}{ending}.npy"),
-                npy(&format!("<U{longest}"), &format!("({},)", list.len()), data),
-            ));
+            let words: Vec<&str> = list.iter().map(|entry| entry[k].as_str()).collect();
+            archive.words(&format!("{kind}{ending}"), &words);
         }
     }
-    zip::stored(&files)
-}
-
-fn npy(kind: &str, shape: &str, data: Vec<u8>) -> Vec<u8> {
-    let mut head = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}");
-    // The data begin at a multiple of 64 bytes, after a magic string of 6, a version of 2 and a length of 2.
-    while (10 + head.len() + 1) % 64 != 0 {
-        head.push(' ');
-    }
-    head.push('\n');
-    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-    bytes.extend((head.len() as u16).to_le_bytes());
-    bytes.extend(head.bytes());
-    bytes.extend(data);
-    bytes
+    archive.bytes()
 }

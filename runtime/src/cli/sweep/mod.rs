@@ -23,7 +23,7 @@ use super::json::{number, object};
 use super::load::Loaded;
 use super::modes::at_rest;
 use super::set_up::{Changes, choose, unknown};
-use super::{Context, Problem, outputs};
+use super::{Context, Problem, npz, outputs};
 use crate::Settings;
 use crate::ensemble::spread;
 use crate::mechanism::{Description, HIDDEN, Method, System};
@@ -70,6 +70,10 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     if let Some(path) = options.get_one::<String>("plot") {
         outputs::draw(path, draw(&loaded, &table, varied, &shown, log))?;
     }
+    let arrays = options.get_one::<String>("npz");
+    if let Some(path) = arrays {
+        write_arrays(path, &table)?;
+    }
     let (output, mut out) = outputs::streams(options, out);
     if let Some(output) = output {
         write!(output, "{}", table.to_csv())?;
@@ -78,7 +82,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
         super::json::write(&as_json(&loaded.name, &table, &path), &mut *out)?;
     } else {
         print(&table, varied, &shown, &mut *out)?;
-        if path != "-" {
+        for path in [Some(&path).filter(|path| *path != "-"), arrays].into_iter().flatten() {
             writeln!(out, "written: {path}")?;
         }
     }
@@ -88,6 +92,12 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
         return Err(Problem::Run(format!("interrupted: {done} of {all} runs are in the table{way_out}")));
     }
     failures(&table)
+}
+
+/// Writes the table as NumPy's arrays.
+fn write_arrays(path: &str, table: &Table) -> Result<(), Problem> {
+    let bytes = table.to_npz().ok_or_else(|| Problem::File(npz::too_large(path)))?;
+    std::fs::write(path, bytes).map_err(|problem| Problem::File(format!("cannot write `{path}`: {problem}")))
 }
 
 /// All rows of the table, those that failed with why.
@@ -106,8 +116,8 @@ fn as_json(name: &str, table: &Table, path: &str) -> Value {
 fn check_files(options: &ArgMatches, path: &str, loaded: &Loaded) -> Result<(), Problem> {
     let beside = experiment::path(path);
     let beside = Some(beside.as_str()).filter(|_| experiment::is_kept(path));
-    let plot = options.get_one("plot").map(String::as_str);
-    let files = [("csv", Some(path)), (BESIDE, beside), ("plot", plot)];
+    let named = |option| (option, options.get_one(option).map(String::as_str));
+    let files = [("csv", Some(path)), (BESIDE, beside), named("npz"), named("plot")];
     outputs::check_paths(files.into_iter().filter_map(|(option, path)| Some((option, path?))), &loaded.path)?;
     let read = options.get_many::<String>("merge").into_iter().flatten().chain(options.get_one::<String>("points"));
     outputs::keep(path, read.map(String::as_str))

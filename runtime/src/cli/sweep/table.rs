@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use super::experiment::Experiment;
 use super::points::usage;
 use crate::cli::Problem;
+use crate::cli::npz::Archive;
 use crate::linear::{LinearError, Mode};
 use crate::mechanism::Description;
 use crate::{Error, Run};
@@ -118,6 +119,18 @@ impl Table {
     /// As comma-separated values; numbers keep every digit.
     pub fn to_csv(&self) -> String {
         std::iter::once(line(self.names.iter().cloned())).chain(self.rows.iter().map(Row::to_csv)).collect()
+    }
+
+    /// As NumPy's arrays, one for each column, NaN where there is no value; `None` where they are too large for an archive.
+    pub fn to_npz(&self) -> Option<Vec<u8>> {
+        let mut archive = Archive::default();
+        archive.whole("run", &self.rows.iter().map(|row| row.run as i64).collect::<Vec<_>>());
+        for (k, name) in self.names.iter().skip(1).take(self.names.len().saturating_sub(2)).enumerate() {
+            let cell = |row: &Row| row.cells.get(k).copied().flatten().unwrap_or(f64::NAN);
+            archive.numbers(name, &[self.rows.len()], self.rows.iter().map(cell));
+        }
+        archive.words("error", &self.rows.iter().map(|row| row.error.as_str()).collect::<Vec<_>>());
+        archive.bytes()
     }
 
     /// Reads what [`Table::to_csv`] wrote, as far as its lines are complete, and how many bytes these take; `None`: not even its names
