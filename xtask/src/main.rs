@@ -1,7 +1,8 @@
-//! Work on the project itself: `cargo xtask golden`, `cargo xtask book`, `cargo xtask page`.
+//! Work on the project itself: `cargo xtask golden`, `cargo xtask book`, `cargo xtask page`, `cargo xtask man`.
 
 mod book;
 mod golden;
+mod man;
 mod page;
 
 use std::process::ExitCode;
@@ -10,7 +11,8 @@ const USAGE: &str = "\
 cargo xtask golden --record   write down what the program prints of every model and error
 cargo xtask golden            compare with what was written down, and tell what differs
 cargo xtask book              build the book in docs/book as a web site, with mdBook
-cargo xtask page -o FOLDER     write dalembert.html there: the library in a browser, as one file";
+cargo xtask page -o FOLDER     write dalembert.html there: the library in a browser, as one file
+cargo xtask man -o FOLDER      write a man page of the program and of each of its commands there";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -20,6 +22,7 @@ fn main() -> ExitCode {
         ["golden"] => golden::compare(),
         ["book"] => book::build(),
         ["page", "-o", folder] => page::build(folder),
+        ["man", "-o", folder] => man::write(folder),
         _ => Err(USAGE.to_owned()),
     };
     match outcome {

@@ -87,6 +87,12 @@ pub fn status(models: &[Entry], arguments: impl IntoIterator<Item = impl Into<st
     }
 }
 
+/// The commands and their options, for what writes man pages of them.
+#[doc(hidden)]
+pub fn command_line() -> clap::Command {
+    arguments::command()
+}
+
 /// Runs the program with these arguments (the first is the program's name) and writes to `out`.
 ///
 /// # Errors
