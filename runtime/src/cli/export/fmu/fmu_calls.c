@@ -19,6 +19,11 @@ enum {
     PHASE = FIRST_INDICATOR + INDICATORS
 };
 
+/* A value reference as one of those, or beyond them. */
+static int known(reference k) {
+    return k <= PHASE ? (int)k : PHASE + 1;
+}
+
 static const char *told(int good) {
     return good ? NULL : NO_ACCELERATIONS;
 }
@@ -50,7 +55,7 @@ const char *get_values(instance *m, const reference *which, size_t count, double
     int has_y = 0, has_z = 0;
     if (m->initializing && !m->known) settle(m);
     for (size_t i = 0; i < count; i++) {
-        const int k = (int)which[i];
+        const int k = known(which[i]);
         if (k == TIME) values[i] = m->t;
         else if (k < FIRST_DERIVATIVE) values[i] = *state(m, k - FIRST_STATE);
         else if (k < FIRST_PARAMETER) {
@@ -76,7 +81,7 @@ const char *get_values(instance *m, const reference *which, size_t count, double
 
 const char *set_values(instance *m, const reference *which, size_t count, const double *values) {
     for (size_t i = 0; i < count; i++) {
-        const int k = (int)which[i];
+        const int k = known(which[i]);
         if (k >= FIRST_STATE && k < FIRST_DERIVATIVE) *state(m, k - FIRST_STATE) = values[i];
         else if (k >= FIRST_PARAMETER && k < FIRST_INPUT) {
             *MODEL(parameter)(&m->p, k - FIRST_PARAMETER) = values[i];
@@ -132,7 +137,7 @@ static const char *direction(const instance *m, const reference *knowns, size_t 
     memcpy(is_given, m->is_given, sizeof is_given);
     for (int k = 0; k < DIRECTION; k++) along[k] = 0.0;
     for (size_t i = 0; i < columns; i++) {
-        const int k = (int)knowns[i];
+        const int k = known(knowns[i]);
         int place = 0;
         if (k >= FIRST_STATE && k < FIRST_DERIVATIVE) place = of_state(k - FIRST_STATE);
         else if (k >= FIRST_PARAMETER && k < FIRST_INPUT) place = OF_PARAMETERS + k - FIRST_PARAMETER;
@@ -162,7 +167,7 @@ const char *get_slopes(instance *m, const reference *unknowns, size_t rows, cons
     memcpy(along + OF_MULTIPLIERS, dl, ROWS * sizeof(double));
     MODEL(output_slopes)(m->c, m->t, m->u, m->q, m->v, m->a, m->l, along, dy);
     for (size_t i = 0; i < rows; i++) {
-        const int k = (int)unknowns[i], of_rate = k - FIRST_DERIVATIVE;
+        const int k = known(unknowns[i]), of_rate = k - FIRST_DERIVATIVE;
         if (k >= FIRST_STATE && k < FIRST_DERIVATIVE) slopes[i] = along[of_state(k - FIRST_STATE)];
         else if (k >= FIRST_DERIVATIVE && k < FIRST_PARAMETER)
             slopes[i] = of_rate < MECHANICAL ? along[OF_SPEEDS + of_rate] : da[of_rate - MECHANICAL];
