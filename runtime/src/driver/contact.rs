@@ -130,8 +130,8 @@ impl Integration {
     }
 
     /// Of each contact the rate of approach after which it rests, and with which it does not leave: its hop would be lost in the rounding of its
-    /// gap, or beside the largest gap that there was.
-    fn slow(&self, system: &mut dyn System, scales: &[f64]) -> Vec<f64> {
+    /// gap, or beside the largest gap that there was; or all its hops would end within twice the seconds that are `left` of another's.
+    fn slow(&self, system: &mut dyn System, scales: &[f64], left: f64) -> Vec<f64> {
         let (phase, contacts) = (system.phase(), system.contacts().all.clone());
         let modes = system.contacts().modes(phase);
         let mut slow = Vec::with_capacity(contacts.len());
@@ -142,9 +142,14 @@ impl Integration {
             let without = system.contacts().phase(&open);
             system.set_phase(without);
             let (here, ever) = (self.low_hops(system, &[]), self.low_hops(system, scales));
+            let e = self.restitution(system, k);
             let falls = |row: u32| {
                 let hops = here.get(row as usize).zip(ever.get(row as usize)).filter(|(here, _)| here.back < 0.0);
-                hops.map_or(0.0, |(here, ever)| here.rate.max(LOWER * ever.rate))
+                hops.map_or(0.0, |(here, ever)| {
+                    // Hops that begin with the rate e u last 2 e u/(|c''| (1 - e)) together.
+                    let ends_too = if e > 0.0 { -here.back * left * (1.0 - e) / e } else { 0.0 };
+                    here.rate.max(LOWER * ever.rate).max(ends_too)
+                })
             };
             slow.push(contact.normal.map_or(0.0, falls));
         }
@@ -171,7 +176,7 @@ impl Integration {
         // What loses no speed goes on for ever.
         let end = if e > 0.0 && e < 1.0 { self.impacts.note(event, now) } else { None };
         let (y, scales) = (self.stepper.start().y.to_vec(), self.scales(system));
-        let mut slow = self.slow(system, &scales);
+        let mut slow = self.slow(system, &scales, end.map_or(0.0, |end| end - now));
         if end.is_some() {
             slow[contact] = f64::INFINITY;
         }

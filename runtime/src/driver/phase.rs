@@ -5,6 +5,7 @@ use super::{Integration, StopReason};
 use crate::cause::Cause;
 use crate::constrain::{VelocityJump, lasting_rows, possible_restitution, velocity_jump};
 use crate::events::{EventLocator, Fired, Impulse, gained};
+use crate::mechanism::dense::impulse_terms;
 use crate::mechanism::{Action, At, Enforcement, System};
 use crate::run::{Recorder, SpeedJump};
 
@@ -456,7 +457,9 @@ impl Integration {
         }
         let constraints: Vec<(String, f64)> =
             rows.iter().map(|(row, impulse)| (system.description().rows[*row].name.to_string(), *impulse)).collect();
-        recorder.impulse(Impulse { t: self.clock.now(), inputs: Vec::new(), constraints, jump, energy });
+        let terms = impulse_terms(system, At::packed(self.clock.now(), self.stepper.start().y, n), &rows);
+        let terms = terms.unwrap_or_else(|| jump.iter().map(|jump| jump.abs()).collect());
+        recorder.impulse(Impulse { t: self.clock.now(), inputs: Vec::new(), constraints, jump, terms, energy });
         true
     }
 }

@@ -21,6 +21,8 @@ pub struct Impulse {
     pub constraints: Vec<(String, f64)>,
     /// By how much each rate q' jumped, SI.
     pub jump: Vec<f64>,
+    /// Of each rate the sum of the sizes of what the impulses do to it one by one, beside which its jump is rounded.
+    pub(crate) terms: Vec<f64>,
     /// By how much the kinetic energy jumped, J: what impacts take is negative.
     pub energy: f64,
 }
@@ -86,7 +88,8 @@ pub(crate) fn impulse<S: System + ?Sized>(
     }
     let jump = moved(system, at, &push)?;
     let energy = gained(system, (t, y), &jump);
-    Ok(Some(Impulse { t, inputs, constraints: Vec::new(), jump, energy }))
+    let terms = jump.iter().map(|jump| jump.abs()).collect();
+    Ok(Some(Impulse { t, inputs, constraints: Vec::new(), jump, terms, energy }))
 }
 
 /// By how much a jump of the speeds changes the kinetic energy of a state, J.
@@ -167,5 +170,6 @@ pub(crate) fn turn<S: System + ?Sized>(
     }
     let jump = moved(system, At::packed(t, y, system.len()), &push)?;
     let energy = gained(system, (t, y), &jump);
-    Ok(Some(Impulse { t, inputs: Vec::new(), constraints: Vec::new(), jump, energy }))
+    let terms = jump.iter().map(|jump| jump.abs()).collect();
+    Ok(Some(Impulse { t, inputs: Vec::new(), constraints: Vec::new(), jump, terms, energy }))
 }

@@ -1,8 +1,9 @@
 //! Event functions and arguments of switches at states and along steps.
 
 use super::certify::Sample;
-use crate::constrain::{Moment, approaches};
+use crate::constrain::{Moment, approaches, closed_within};
 use crate::integrate::Segment;
+use crate::mechanism::dense::constraint_triples;
 use crate::mechanism::sliding::fractions;
 use crate::mechanism::{Action, At, ContactEvent, Rated, System};
 
@@ -118,12 +119,16 @@ impl Sampler {
         0.0
     }
 
-    /// Σ |terms| of an event's function, where it is the gap of a contact.
-    pub fn terms_of_gap<S: System + ?Sized>(&self, system: &S, event: usize, (t, y): (f64, &[f64])) -> Option<f64> {
+    /// Σ |terms| of an event's function, and how far from 0 it is closed, where it is the gap of a contact.
+    pub fn terms_of_gap<S: System + ?Sized>(
+        &self,
+        system: &S,
+        event: usize,
+        (t, y): (f64, &[f64]),
+    ) -> Option<(f64, f64)> {
         let row = system.contacts().all[closes(system, event)?].normal? as usize;
-        let mut triples = vec![0.0; 3 * system.description().rows.len()];
-        system.constraints(At::packed(t, y, self.n), &mut triples);
-        Some(triples[3 * row + 2])
+        let at = At::packed(t, y, self.n);
+        Some((constraint_triples(system, at)[row][2], closed_within(system, at, &[])[row]))
     }
 
     /// By how much an event's function would change in a step, seen a little ahead.

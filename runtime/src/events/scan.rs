@@ -189,7 +189,9 @@ impl Scanner {
         self.largest.iter_mut().zip(&self.size).for_each(|(largest, size)| *largest = largest.max(*size));
         self.sides.copy_from_slice(&self.end_sides);
         self.fresh.copy_from_slice(&self.lingers);
-        self.leaving.fill(0.0);
+        // What has not left zero yet leaves it to the side that is known.
+        let leaving = self.leaving.iter_mut().zip(&self.lingers);
+        leaving.filter(|(_, lingers)| !**lingers).for_each(|(leaving, _)| *leaving = 0.0);
         self.ends = t;
     }
 

@@ -95,6 +95,16 @@ pub(crate) fn sizes_alike(description: &Description, numbers: &[f64]) -> Vec<f64
     (0..numbers.len()).map(|i| alike(i).fold(0.0_f64, |most, j| most.max(numbers[j].abs()))).collect()
 }
 
+/// Σ |M⁻¹ Jₖᵀ Pₖ| for the impulses P of these rows: the sizes beside which the jump of each rate, the sum of these, is rounded; `None`
+/// where M alone has no inverse.
+pub(crate) fn impulse_terms(system: &dyn System, at: At<'_>, impulses: &[(usize, f64)]) -> Option<Vec<f64>> {
+    let mass = mass_matrix(system, at).cholesky()?;
+    let rows: Vec<usize> = impulses.iter().map(|(row, _)| *row).collect();
+    let response = mass.solve(&constraint_matrix(system, at, &rows).transpose());
+    let of = |i: usize| impulses.iter().enumerate().map(|(k, (_, impulse))| (response[(i, k)] * impulse).abs()).sum();
+    Some((0..system.len()).map(of).collect())
+}
+
 /// A matrix with a row for each row of the constraints.
 fn of_rows<S: System + ?Sized>(system: &S, pattern: &[(u32, u32)], values: &[f64]) -> DMatrix<f64> {
     scatter((system.description().rows.len(), system.len()), pattern, values)

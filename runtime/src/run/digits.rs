@@ -47,7 +47,7 @@ const NOTHING: f64 = 1e-20;
 const ROUNDED: f64 = 1e3 * f64::EPSILON;
 /// The part of the time until then over which differences are looked at.
 const WINDOW: f64 = 0.1;
-/// An output is off by so many times what the motion is, of its terms.
+/// An output is off by so many times what the motion is, of its terms; a rate by so many roundings of the impulses' terms.
 const TERMS: f64 = 4.0;
 /// A motion is known where its errors are less than this part of what it goes through: three digits hold.
 const KNOWN: f64 = 1e-3;
@@ -217,6 +217,7 @@ impl Digits {
     fn settle(&mut self, run: &Run) {
         let (columns, n) = (run.column_names().len(), run.names.coordinates.len());
         let ranges = ranges(run, self.still);
+        let mut impulses = ImpulseRounding::new(run);
         self.lost = None;
         for row in 0..run.len() {
             let bounds = &mut self.rows[columns * row..][..columns];
@@ -224,9 +225,42 @@ impl Digits {
                 let rounded = if value.abs() <= NOTHING * range { 1.0 } else { 2.0 * f64::EPSILON };
                 *bound = bound.max(rounded * value.abs());
             }
+            // What rounding explains is 0.
+            for ((bound, value), off) in bounds.iter_mut().zip(row_of(run, row)).zip(impulses.until(row)) {
+                *bound = if value.abs() <= off { bound.max(off) } else { *bound };
+            }
             let lost = (0..2 * n).find(|column| bounds[*column] > LOST * ranges[*column]);
             self.lost = self.lost.or(lost.map(|column| (run.times[row], column)));
         }
+    }
+}
+
+/// What the rounding of impulses has made of places and rates, each of its own sign: where those that strike at one instant cancel each other, a
+/// rate that stays 0 is off by their rounding, and its place by that times the time since.
+struct ImpulseRounding<'a> {
+    run: &'a Run,
+    next: usize,
+    /// Of each rate Σ a², Σ a² t and Σ a² t², a being the terms of an impulse and t its instant, s.
+    sums: Vec<[f64; 3]>,
+}
+
+impl<'a> ImpulseRounding<'a> {
+    fn new(run: &'a Run) -> Self {
+        ImpulseRounding { run, next: 0, sums: vec![[0.0; 3]; run.names.coordinates.len()] }
+    }
+
+    /// Of the places, then of the rates, in a row no earlier than the last one.
+    fn until(&mut self, row: usize) -> Vec<f64> {
+        let t = self.run.times[row];
+        while let Some(impulse) = self.run.impulses.get(self.next).filter(|impulse| impulse.t <= t) {
+            for (sums, term) in self.sums.iter_mut().zip(&impulse.terms) {
+                sums.iter_mut().zip([1.0, impulse.t, impulse.t.powi(2)]).for_each(|(sum, t)| *sum += t * term.powi(2));
+            }
+            self.next += 1;
+        }
+        let rounding = TERMS * f64::EPSILON;
+        let places = self.sums.iter().map(|[a, b, c]| rounding * (t * t * a - 2.0 * t * b + c).max(0.0).sqrt());
+        places.chain(self.sums.iter().map(|[a, ..]| rounding * a.sqrt())).collect()
     }
 }
 
@@ -417,7 +451,9 @@ fn ranges(run: &Run, still: f64) -> Vec<f64> {
         }
         if span > 0.0 {
             let fastest = run.fastest.max(1.0 / span);
-            let rounded = STILL * ranges[i] * fastest;
+            let struck: f64 = run.impulses.iter().filter_map(|impulse| impulse.terms.get(i)).sum();
+            ranges[i] = ranges[i].max(STILL * struck * span);
+            let rounded = (STILL * ranges[i] * fastest).max(STILL * struck);
             // Outputs that are speeds are told by the same size.
             let speeds = (states..names.len()).filter(|column| units[*column] == units[states / 2 + i]);
             for column in speeds.chain([states / 2 + i]) {

@@ -3,6 +3,7 @@
 
 mod angles;
 mod branches;
+mod contacts;
 mod control;
 mod equilibria;
 mod events;

@@ -67,6 +67,18 @@ pub(crate) fn approaches<S: System + ?Sized>(system: &S, moment: &Moment<'_>, co
     situation.kinematics[contact].gap_rate < 0.0 && !situation.still[contact][0]
 }
 
+/// Of each row how far from 0 a gap is closed: [`CLOSED`] of the sum of its terms, here or as large as `scales` know it, or of what the sizes of
+/// coordinates make of one whose terms are small here.
+pub(crate) fn closed_within<S: System + ?Sized>(system: &S, at: At<'_>, scales: &[f64]) -> Vec<f64> {
+    let triples = constraint_triples(system, at);
+    let rows: Vec<usize> = (0..triples.len()).collect();
+    let matrix = constraint_matrix(system, at, &rows);
+    let sizes = sizes_alike(system.description(), at.q);
+    let size = |row: usize| sizes.iter().enumerate().map(|(i, size)| (matrix[(row, i)] * size).abs()).sum::<f64>();
+    let seen = |row: usize| scales.get(row).copied().unwrap_or(0.0);
+    rows.into_iter().map(|row| CLOSED * triples[row][2].max(seen(row)).max(size(row))).collect()
+}
+
 /// The events by which contacts stop sliding that cannot happen: the constraints in force keep those contacts from moving, so that their rates are
 /// rounding.
 pub(crate) fn never_stopping<S: System + ?Sized>(system: &S, moment: &Moment<'_>) -> Vec<usize> {
@@ -157,17 +169,8 @@ impl Situation {
             let size = active.iter().zip(&parts).fold(terms(row), |size, (k, part)| size + part.abs() * terms(*k));
             Some(missed <= IN_SPAN * own.amax() && rest.abs() <= STILL * size)
         };
-        // What the sizes of coordinates make of a gap whose terms are small here.
-        let sizes = sizes_alike(system.description(), at.q);
-        let size = |row: usize| (0..n).map(|i| (matrix[(row, i)] * sizes[i]).abs()).sum::<f64>();
-        let closed = |row: Option<u32>| {
-            row.is_none_or(|row| {
-                let row = row as usize;
-                let [gap, _, terms] = triples[row];
-                let seen = scales.get(row).copied().unwrap_or(0.0);
-                gap.abs() <= CLOSED * terms.max(seen).max(size(row))
-            })
-        };
+        let within = closed_within(system, at, scales);
+        let closed = |row: Option<u32>| row.is_none_or(|row| triples[row as usize][0].abs() <= within[row as usize]);
         Situation {
             modes: system.contacts().modes(system.phase()),
             kinematics: kinematics(system, at),

@@ -80,8 +80,9 @@ const SEVERAL: u32 = 8;
 const AT_ONCE: f64 = 1e-9;
 /// An event's function is at its zero where it is this part of the largest it had.
 const ON: f64 = 1e-10;
-/// The gap of a contact is closed where it is this part of the largest that it had, or of the sum of its terms: what is less than [`ON`] open, and closes, lands.
-const CLOSED: f64 = 1e-13;
+/// The gap of a contact is open where it is more than this part of the largest that it had, or of the sum of its terms: what is less than [`ON`] open,
+/// and closes, lands.
+const OPEN: f64 = 1e-13;
 /// A switch that rests has left its surface when its argument is this part of the largest it had.
 const REST: f64 = 1e-12;
 
@@ -445,7 +446,11 @@ impl EventLocator {
             let value = self.sampler.value(function);
             let slides = sample::slides(system, function).is_some_and(|side| side * value > 0.0);
             let near = match self.sampler.terms_of_gap(system, function, (t, y)) {
-                Some(terms) => CLOSED * seen.max(variation).max(terms),
+                Some((terms, within)) => {
+                    let open = OPEN * seen.max(variation).max(terms);
+                    // What closes others moves the sides of one that opens into each other by as much as closed ones are apart.
+                    if value < 0.0 { open.max(within) } else { open }
+                }
                 // What was decided to slide as it does, however slowly, may stop at once.
                 None if slides => 0.0,
                 None => ON * seen.max(variation),
