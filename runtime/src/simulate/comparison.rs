@@ -252,14 +252,23 @@ fn followed(system: &dyn System, settings: &Settings, run: &Run, coarser: f64) -
     Followed::new(&run.step_ends, stretch).filter(|_| chosen)
 }
 
-/// The run, or what there is of it; `None` if it was interrupted.
+/// The run with parameters moved by rounding, or what there is of it; `None` if it was interrupted.
+///
+/// Both runs would share what the rounding of parameters makes of forces that cancel each other.
 fn ran(
     system: &mut dyn System,
     settings: &Settings,
     run: &Run,
     progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Option<Run> {
-    let mut other = match simulate_with(system, settings, progress) {
+    let parameters = system.parameters();
+    let set = |system: &mut dyn System, values: &mut dyn Iterator<Item = f64>| {
+        values.enumerate().for_each(|(index, value)| system.set_parameter(index, value));
+    };
+    set(system, &mut parameters.iter().map(|value| moved(*value)));
+    let outcome = simulate_with(system, settings, progress);
+    set(system, &mut parameters.iter().copied());
+    let mut other = match outcome {
         Ok(run) => run,
         Err(Error::Run(failure))
             if matches!(
@@ -276,6 +285,11 @@ fn ran(
         other.resample(&run.times);
     }
     Some(other)
+}
+
+/// The number next to one with a fraction, up or down by its last bit, so that equal ones stay equal; whole numbers have no rounding.
+fn moved(value: f64) -> f64 {
+    if value.fract() == 0.0 { value } else { f64::from_bits(value.to_bits() ^ 1) }
 }
 
 /// The same settings for a run that is only compared, from its start moved by rounding.

@@ -82,3 +82,20 @@ fn a_motion_that_a_plain_run_does_not_close_is_no_orbit() {
     let rate = found["start"]["x'"]["value"].as_f64().expect("a number");
     assert!((rate - 3.0 / (4.0 - 9.0)).abs() < 1e-10, "{rate}");
 }
+
+/// 0.4999999999 and 1.000000000001 kg are rounded when they are read, which shows where the forces that they make nearly cancel.
+#[test]
+fn rounded_parameters_of_forces_that_cancel_leave_few_digits() {
+    let digits = |name: &str, settings: &[&str], value: &str| -> f64 {
+        let told = printed("simulate", name, &[settings, &["--json"]].concat());
+        let json: Value = serde_json::from_str(&told).expect("JSON");
+        json["digits"][value].as_f64().expect("digits")
+    };
+    // x' = -g cos(al) (tan(al) - mu) t holds to 6 digits at most: 2⁻⁵⁴ of 0.5 is 3e-7 of 1e-10.
+    let nearly = digits("slope_nearly_holds", &["--set", "mu=0.4999999999"], "x'");
+    assert!((1.0..=6.0).contains(&nearly), "{nearly}");
+    assert!(digits("slope_nearly_holds", &["--set", "mu=0.3"], "x'") >= 9.0);
+    let nearly = digits("masses_nearly_alike", &[], "x");
+    assert!((2.0..=4.0).contains(&nearly), "{nearly}");
+    assert!(digits("masses_nearly_alike", &["--set", "m2=1.1"], "x") >= 9.0);
+}
