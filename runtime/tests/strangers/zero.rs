@@ -99,3 +99,11 @@ fn rounded_parameters_of_forces_that_cancel_leave_few_digits() {
     assert!((2.0..=4.0).contains(&nearly), "{nearly}");
     assert!(digits("masses_nearly_alike", &["--set", "m2=1.1"], "x") >= 9.0);
 }
+
+#[test]
+fn a_block_rests_by_friction_where_all_its_numbers_are_zero() {
+    for place in ["x=0", "x=0.5"] {
+        let told = printed("modes", "block_rests_at_zero", &["--at", place]);
+        assert!(told.contains("equilibrium at x = ") && told.contains("reaction(floor) at rest = 20 N"), "{told}");
+    }
+}

@@ -232,6 +232,10 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
     fn newton(&self, from: &[f64], v: &[f64]) -> Result<Found, LinearError> {
         let n = self.n;
         let mut state = self.state(from, v);
+        // A rest at 0 has no sizes by which steps of rounding are told.
+        if self.is_exact(&state) {
+            return Ok(Found { state, iterations: 0, slow: None });
+        }
         let mut pace = ConvergenceHistory::default();
         for iterations in 0..ITERATIONS {
             let lost = state.q.iter().any(|q| q.abs() > FAR);

@@ -268,7 +268,6 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
     }
 
     /// Whether what is left of its equations is rounding of their terms, so that no step of a search can better it.
-    #[cfg(feature = "modal")]
     pub fn is_exact(&self, state: &State) -> bool {
         self.unbalanced(state, ROUNDINGS * f64::EPSILON).is_none()
     }
