@@ -15,6 +15,9 @@ use crate::run::{Names, Run};
 use crate::simulate::{Settings, simulate};
 use crate::vary::{Leg, TOLD};
 
+/// A motion does not close whose pieces miss each other by more than so many times the tolerance: those of one that closes do by rounding, a
+/// thousandth of the least tolerance.
+const OPEN: f64 = 10.0;
 /// No piece is to stretch one change by more than this beside another: what is left of sixteen digits is that of its multipliers.
 const SPREAD: f64 = 1e4;
 /// No more than twice so many numbers are unknown: their matrices are full.
@@ -276,7 +279,9 @@ impl Begun {
         let returns = missed.iter().map(|(_, part)| *part).fold(0.0, f64::max);
         // What a plain run is off by grows as small changes do.
         let grows = found.multipliers.iter().map(|polar| polar.log).fold(0.0, f64::max);
-        if returns > FOLLOWS * (grows * self.laps.laps as f64).exp() {
+        // Where damping is all but none every motion all but closes, and what is left of it is as small as steps can make it.
+        let open = solution.trial.r.norm() > OPEN * self.laps.settings.tolerance;
+        if open || returns > FOLLOWS * (grows * self.laps.laps as f64).exp() {
             let start = start.into_iter().map(|value| (value.name, value.value)).collect();
             let off = |(i, part): (usize, f64)| (names[i].clone(), part * self.laps.scales[i]);
             return Err(NoOrbit::Stuck { residuals: missed.into_iter().map(off).collect(), start }.into());

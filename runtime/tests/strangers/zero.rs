@@ -107,3 +107,14 @@ fn a_block_rests_by_friction_where_all_its_numbers_are_zero() {
         assert!(told.contains("equilibrium at x = ") && told.contains("reaction(floor) at rest = 20 N"), "{told}");
     }
 }
+
+/// Every motion of an oscillator closes without damping, and none with however little.
+#[test]
+fn a_motion_that_is_all_but_undamped_is_no_orbit() {
+    let path = stranger("damping_all_but_none");
+    let orbit = |damping: &str| program(&["orbit", path.to_str().expect("a path"), "--set", damping, "--json"]);
+    for damping in ["c=1e-6", "c=1e-9"] {
+        assert!(orbit(damping).unwrap_err().contains("the motion misses by x"), "{damping}");
+    }
+    assert!(orbit("c=0").is_ok());
+}
