@@ -43,3 +43,12 @@ fn a_cube_comes_to_rest_on_four_corners() {
         }
     }
 }
+
+/// What an input moves by itself has energy of its own, which no step follows: the balance is held without it.
+#[test]
+fn the_energy_of_a_driven_table_is_no_part_of_the_balance() {
+    let told = printed("simulate", "block_on_shaken_table", &["--json"]);
+    let json: serde_json::Value = serde_json::from_str(&told).expect("JSON");
+    let drift = json["drift"]["energy_balance"].as_f64().expect("a drift");
+    assert!(drift < 1e-11, "{drift}");
+}

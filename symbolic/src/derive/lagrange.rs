@@ -8,7 +8,7 @@ use rustc_hash::FxHashMap as HashMap;
 
 use super::changing_mass::HeldMasses;
 use super::{Acting, Dynamics, Energies, Equations, bias_rates, mass_entries, rates};
-use crate::expr::{Forward, Graph, Id, Rational, Symbol, Unary, reverse, vectors};
+use crate::expr::{Forward, Graph, Id, Number, Rational, Symbol, Unary, reverse, terms, vectors};
 use crate::model::{Model, Rotation};
 
 /// M, h and F from the energies; and for each coordinate its momentum and minus the rate of that, −∂L/∂q − Q (less what masses that change add).
@@ -56,20 +56,21 @@ pub(crate) fn energies(model: &mut Model, dynamics: &Dynamics) -> Energies {
     let masses = HeldMasses::hold(graph, &mut held);
     let dynamics = &held;
     let velocities = Velocities::of(graph, dynamics);
-    let kinetic = kinetic_energy(graph, dynamics, &velocities);
-    let potential = potential_energy(graph, dynamics);
-    let momenta = speed_gradient(graph, dynamics.n, &[(kinetic, Id::ONE)]);
+    let (mut kinetic, mut potential) =
+        (kinetic_energy(graph, dynamics, &velocities), potential_energy(graph, dynamics));
+    let [moving, lifted] = [kinetic, potential].map(|energy| without_time_alone(graph, energy));
+    let momenta = speed_gradient(graph, dynamics.n, &[(moving, Id::ONE)]);
     let mut jacobi = Id::ZERO;
     for (i, p) in momenta.iter().enumerate() {
         let v = graph.symbol(Symbol::Speed(i as u32));
         let term = graph.mul(v, *p);
         jacobi = graph.add(jacobi, term);
     }
-    jacobi = graph.sub(jacobi, kinetic);
-    jacobi = graph.add(jacobi, potential);
+    jacobi = graph.sub(jacobi, moving);
+    jacobi = graph.add(jacobi, lifted);
 
     // Explicit time, through t itself, inputs and states of first order.
-    let lagrangian = graph.sub(potential, kinetic);
+    let lagrangian = graph.sub(lifted, moving);
     let mut power = Forward::new(|g: &mut Graph, s| match s {
         Symbol::Time => Id::ONE,
         Symbol::Input(..) | Symbol::State(_) => s.rate().map_or(Id::ZERO, |r| g.symbol(r)),
@@ -83,7 +84,6 @@ pub(crate) fn energies(model: &mut Model, dynamics: &Dynamics) -> Energies {
     }
     let gained = masses.rate_by_masses(graph, jacobi);
     power = graph.add(power, gained);
-    let (mut kinetic, mut potential) = (kinetic, potential);
     masses.put_in(graph, [&mut kinetic, &mut potential, &mut jacobi, &mut power]);
 
     let mut scale = Id::ZERO;
@@ -93,6 +93,26 @@ pub(crate) fn energies(model: &mut Model, dynamics: &Dynamics) -> Energies {
     }
     let observed = super::switches::remove(graph, &[kinetic, potential], &dynamics.switches);
     Energies { kinetic: observed[0], potential: observed[1], jacobi, power, scale }
+}
+
+/// An energy without terms that time or inputs alone change, as that of a body which an input moves: they act on no coordinate, and steps that follow
+/// the motion would not see how fast they change.
+fn without_time_alone(graph: &mut Graph, energy: Id) -> Id {
+    let of_time = |symbol: Symbol| matches!(symbol, Symbol::Time | Symbol::Input(..));
+    let [timed, other] = [true, false].map(|wants| {
+        graph.contains(|symbol| if wants { of_time(symbol) } else { symbol.may_change() && !of_time(symbol) })
+    });
+    let all = terms(graph, energy);
+    let acts = |(term, _): &&(Id, Number)| other[term.index()] || !timed[term.index()];
+    let kept: Vec<(Id, Number)> = all.iter().filter(acts).copied().collect();
+    if kept.len() == all.len() {
+        return energy;
+    }
+    kept.into_iter().fold(Id::ZERO, |sum, (term, coefficient)| {
+        let factor = graph.constant(coefficient);
+        let product = graph.mul(factor, term);
+        graph.add(sum, product)
+    })
 }
 
 /// Velocities of centres of mass and angular velocities.
