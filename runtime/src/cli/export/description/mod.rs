@@ -224,17 +224,8 @@ fn variables(program: &Program, at: &References, start: &Start) -> Vec<Variable>
     let memory = model.memory.iter().zip(&start.memory).zip(at.memory..);
     out.extend(memory.map(|((m, value), k)| variable(k, &m.name, &m.unit, held, Some(*value), "")));
     let output = "causality=\"output\" variability=\"continuous\" initial=\"calculated\"";
-    let outputs = model.outputs.iter().flat_map(|o| {
-        let axis = |k: usize| {
-            if o.value.len() == 1 {
-                String::new()
-            } else {
-                format!(".{}", ["x", "y", "z"].get(k).map_or((k + 1).to_string(), |axis| (*axis).to_owned()))
-            }
-        };
-        (0..o.value.len()).map(move |k| (format!("{}{}", o.name, axis(k)), &o.unit))
-    });
-    out.extend(outputs.zip(at.outputs..).map(|((name, unit), k)| variable(k, &name, unit, output, None, "")));
+    let outputs = output_names(model).zip(at.outputs..);
+    out.extend(outputs.map(|((name, unit), k)| variable(k, &name, unit, output, None, "")));
     let local = "causality=\"local\" variability=\"continuous\" initial=\"calculated\"";
     let events = model.events.iter().map(|event| format!("event {}", event.name));
     let switches = (1..=program.switches.len()).map(|k| format!("discontinuity {k}"));
@@ -246,6 +237,20 @@ fn variables(program: &Program, at: &References, start: &Start) -> Vec<Variable>
     );
     name_apart(&mut out);
     out
+}
+
+/// Outputs component by component, with their units.
+fn output_names(model: &Model) -> impl Iterator<Item = (String, &Option<String>)> {
+    model.outputs.iter().flat_map(|o| {
+        let axis = |k: usize| {
+            if o.value.len() == 1 {
+                String::new()
+            } else {
+                format!(".{}", ["x", "y", "z"].get(k).map_or((k + 1).to_string(), |axis| (*axis).to_owned()))
+            }
+        };
+        (0..o.value.len()).map(move |k| (format!("{}{}", o.name, axis(k)), &o.unit))
+    })
 }
 
 /// Gives every variable a name of its own.
