@@ -1,5 +1,7 @@
 //! The matrices of a mechanism as dense ones, for what is done once: starts, impacts, small motions.
 
+use std::collections::BTreeMap;
+
 use nalgebra::DMatrix;
 
 use super::{At, Description, System};
@@ -90,9 +92,13 @@ pub(crate) const SECOND_ROUNDING: f64 = 100.0 * f64::EPSILON * f64::EPSILON;
 
 /// The largest size of a coordinate, or of its speed, among those with the same unit: what its rounding is judged by.
 pub(crate) fn sizes_alike(description: &Description, numbers: &[f64]) -> Vec<f64> {
-    let coordinates = &description.coordinates;
-    let alike = |i: usize| (0..numbers.len()).filter(move |j| coordinates[*j].unit == coordinates[i].unit);
-    (0..numbers.len()).map(|i| alike(i).fold(0.0_f64, |most, j| most.max(numbers[j].abs()))).collect()
+    let unit = |i: usize| -> &str { &description.coordinates[i].unit };
+    let mut largest: BTreeMap<&str, f64> = BTreeMap::new();
+    for (i, x) in numbers.iter().enumerate() {
+        let most = largest.entry(unit(i)).or_default();
+        *most = most.max(x.abs());
+    }
+    (0..numbers.len()).map(|i| largest[unit(i)]).collect()
 }
 
 /// Σ |M⁻¹ Jₖᵀ Pₖ| for the impulses P of these rows: the sizes beside which the jump of each rate, the sum of these, is rounded; `None`

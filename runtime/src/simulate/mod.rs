@@ -202,7 +202,9 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
     check(system, settings)?;
     let first = first_phase(system, settings);
     let settings = &*in_phase(settings, first.as_ref().ok());
-    if let Some(reason) = no_series(system, settings).filter(|_| settings.method == Method::Taylor) {
+    if settings.method == Method::Taylor
+        && let Some(reason) = no_series(system, settings)
+    {
         return Err(Error::NoSeries { reason });
     }
     let dampers = matches!(settings.enforcement, Enforcement::Springs { damping, .. } if damping > 0.0);

@@ -1,6 +1,6 @@
 //! Running magnitudes: how large the terms are of which an expression is made.
 
-use rustc_hash::FxHashMap as HashMap;
+use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
 
 use crate::expr::{Binary, Graph, Id, Node, Unary};
 
@@ -15,13 +15,25 @@ pub(super) struct Magnitudes {
 impl Magnitudes {
     /// The magnitude of an expression, as an expression.
     pub fn of(&mut self, graph: &mut Graph, root: Id) -> Id {
-        for id in graph.needed([root]) {
-            if !self.known.contains_key(&id) {
-                let size = self.one(graph, id);
-                self.known.insert(id, size);
-            }
+        for id in self.unknown(graph, root) {
+            let size = self.one(graph, id);
+            self.known.insert(id, size);
         }
         self.known[&root]
+    }
+
+    /// What an expression needs beyond what is known, children before parents: of many expressions together each node once.
+    fn unknown(&self, graph: &Graph, root: Id) -> Vec<Id> {
+        let mut found = HashSet::default();
+        let mut open = vec![root];
+        while let Some(id) = open.pop() {
+            if !self.known.contains_key(&id) && found.insert(id) {
+                open.extend(graph.children(id));
+            }
+        }
+        let mut list: Vec<Id> = found.into_iter().collect();
+        list.sort_unstable();
+        list
     }
 
     fn one(&self, graph: &mut Graph, id: Id) -> Id {

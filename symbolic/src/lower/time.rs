@@ -3,7 +3,7 @@
 use super::Entry;
 use super::magnitude::Magnitudes;
 use crate::derive::Switch;
-use crate::expr::{Graph, Id, Node, Symbol, Tape, Unary, partial, rewrite};
+use crate::expr::{Forward, Graph, Id, Node, Symbol, Tape, Unary, rewrite};
 use crate::random::Random;
 
 /// What of the equations of motion depends on time by itself, not by way of inputs.
@@ -25,7 +25,8 @@ pub(super) fn of_time(graph: &mut Graph, residual: &[Id], switches: &[Switch]) -
     if !graph.symbols(all.iter().copied()).contains(&Symbol::Time) {
         return OfTime::default();
     }
-    let rates: Vec<Id> = all.iter().map(|f| partial(graph, *f, Symbol::Time)).collect();
+    let mut by_time = Forward::new(|_: &mut Graph, s| if s == Symbol::Time { Id::ONE } else { Id::ZERO });
+    let rates: Vec<Id> = all.iter().map(|f| by_time.of(graph, *f)).collect();
     let generic = with_generic_functions(graph, &rates);
     let changes = changing(graph, &rates, &generic);
     let (rows, rest) = changes.split_at(residual.len());

@@ -105,9 +105,9 @@ impl Mode {
 
     /// Notes how much of the eigenvalue rounding of M, C and K can change: εφᴴ(|λ|²|M| + |λ||C| + |K|)φ beside twice |λ|²φᴴMφ.
     pub(in crate::linear) fn note_uncertainty(&mut self, linear: &Linearised) {
+        let sizes: Vec<f64> = self.shape.iter().map(|x| x.norm()).collect();
         let form = |matrix: &SparseMatrix| -> f64 {
-            let term =
-                |(i, j, x): &(u32, u32, f64)| self.shape[*i as usize].norm() * self.shape[*j as usize].norm() * x.abs();
+            let term = |(i, j, x): &(u32, u32, f64)| sizes[*i as usize] * sizes[*j as usize] * x.abs();
             matrix.entries.iter().map(term).sum()
         };
         let rate = self.eigenvalue.norm();
