@@ -12,7 +12,7 @@ use dalembert_symbolic::number::DoubleDouble;
 use serde_json::Value;
 
 use super::json::{number, object, write};
-use super::load::{Loaded, ModelFile, derived, sizes};
+use super::load::{Loaded, ModelFile, derived_for_runs, sizes};
 use super::{Context, Problem, freedoms, routh, symmetries};
 use crate::mechanism::{At, Balances, Interpreted, System};
 
@@ -48,7 +48,7 @@ fn one(context: Context<'_>, name: &str, options: &ArgMatches, out: &mut dyn Wri
         return as_json(context, name, options, out);
     }
     let text = ModelFile::named(context, name, sizes(options)?)?;
-    let derived = derived(&text.path, &text.source, &text.sizes);
+    let derived = derived_for_runs(&text.path, &text.source, &text.sizes);
     let program = derived.map_err(|problems| Problem::Model(file::render(&text.path, &text.source, &problems)))?;
     let (n, states) = (program.model.mechanical(), program.model.states.len());
     let first_order = match states {
@@ -128,7 +128,7 @@ fn conserved(report: &Report) -> impl Iterator<Item = (&(String, f64), &Vec<Stri
 /// The report as one object; of a file with mistakes these, each with its place, before the command fails.
 fn as_json(context: Context<'_>, name: &str, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let text = ModelFile::named(context, name, sizes(options)?)?;
-    let program = match derived(&text.path, &text.source, &text.sizes) {
+    let program = match derived_for_runs(&text.path, &text.source, &text.sizes) {
         Ok(program) => program,
         Err(problems) => {
             let wrong = Problem::Model(file::render(&text.path, &text.source, &problems));

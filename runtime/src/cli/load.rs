@@ -7,7 +7,7 @@ use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use clap::ArgMatches;
-use dalembert_symbolic::lower::{Program, compile_in};
+use dalembert_symbolic::lower::{Program, compile_for_runs_in, compile_in};
 use dalembert_symbolic::model::{Model, load_in};
 use dalembert_symbolic::print::fnv1a;
 use dalembert_symbolic::{diagnose, file};
@@ -148,10 +148,23 @@ impl Loaded {
     /// What is wrong with it.
     pub fn interpreted(file: &ModelFile) -> Result<Loaded, Vec<diagnose::Problem>> {
         let ModelFile { name, path, source, sizes } = file;
-        let program = derived(path, source, sizes)?;
+        let program = derived_for_runs(path, source, sizes)?;
         let (name, path, source, sizes) = (name.clone(), path.clone(), source.clone(), sizes.clone());
         let system = Box::new(Interpreted::new(program.clone(), &source));
         Ok(Loaded { name, path, source, sizes, system, warnings: Vec::new(), derived: Some(Arc::new(program)) })
+    }
+
+    /// With all systems of balances, of which runs by Lagrange's equations need none.
+    ///
+    /// # Errors
+    /// They are too large.
+    pub fn form(&mut self) -> Result<(), Problem> {
+        if self.derived.as_ref().is_some_and(|program| program.unformed) {
+            let program = self.program()?;
+            self.system = Box::new(Interpreted::new(program.clone(), &self.source));
+            self.derived = Some(Arc::new(program));
+        }
+        Ok(())
     }
 
     /// The same once more, as it was loaded.
@@ -170,7 +183,9 @@ impl Loaded {
     /// The derived model, for what the compiled code does not keep.
     pub fn program(&self) -> Result<Program, Problem> {
         match &self.derived {
-            Some(program) => Ok(Program::clone(program)),
+            Some(program) => Program::clone(program)
+                .with_matrices()
+                .map_err(|problems| Problem::Model(file::render(&self.path, &self.source, &problems))),
             None => compiled_or_problem(&self.path, &self.source, &self.sizes),
         }
     }
@@ -188,7 +203,15 @@ fn compiled_or_problem(path: &str, source: &str, sizes: &[(String, i64)]) -> Res
 
 /// Derives a model; a terminal says so where that takes longer than [`PATIENCE`].
 pub fn derived(path: &str, source: &str, sizes: &[(String, i64)]) -> Result<Program, Vec<diagnose::Problem>> {
-    let work = || compile_in(folder(path), source, sizes);
+    announced_on_terminals(path, || compile_in(folder(path), source, sizes))
+}
+
+/// The same, with a large M left out where runs need none.
+pub fn derived_for_runs(path: &str, source: &str, sizes: &[(String, i64)]) -> Result<Program, Vec<diagnose::Problem>> {
+    announced_on_terminals(path, || compile_for_runs_in(folder(path), source, sizes))
+}
+
+fn announced_on_terminals<T>(path: &str, work: impl FnOnce() -> T) -> T {
     match std::io::stderr().is_terminal() {
         true => announced(&mut std::io::stderr(), path, PATIENCE, work),
         false => work(),

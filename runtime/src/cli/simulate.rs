@@ -26,7 +26,7 @@ use crate::{ContactHistory, Error, Impulse, Run, Settings, Slopes};
 
 /// Runs, writes files that were asked for, and prints the outcome; a run that failed is written and printed too.
 pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
-    let mut loaded = Loaded::find(context, options)?;
+    let mut loaded = with_derivations(Loaded::find(context, options)?, options)?;
     outputs::check(options, &["csv", "plot", "animate", "save"], &loaded.path)?;
     drawn::check(&loaded, options)?;
     let settings = set_up(&mut loaded, options).and_then(|settings| by_options(settings, options))?;
@@ -113,7 +113,7 @@ pub fn outcome(
     options: &ArgMatches,
     watch: &mut dyn FnMut(Stage) -> ControlFlow<()>,
 ) -> Result<Outcome, Problem> {
-    let mut loaded = Loaded::find(context, options)?;
+    let mut loaded = with_derivations(Loaded::find(context, options)?, options)?;
     let settings = set_up(&mut loaded, options).and_then(|settings| by_options(settings, options))?;
     if let Some(name) = options.get_one::<String>("by") {
         choose_derivation(&mut loaded, name)?;
@@ -182,6 +182,14 @@ const PATIENCE: f64 = 10.0;
 /// Whether to run a second time to tell how many digits hold.
 fn wants_digits(run: &Run, options: &ArgMatches) -> bool {
     options.get_flag("digits") || run.seconds < PATIENCE && !options.get_flag("no-digits")
+}
+
+/// With all systems of balances, where the options name a derivation.
+fn with_derivations(mut loaded: Loaded, options: &ArgMatches) -> Result<Loaded, Problem> {
+    if options.contains_id("by") {
+        loaded.form()?;
+    }
+    Ok(loaded)
 }
 
 /// Puts the system of balances of this name in force.

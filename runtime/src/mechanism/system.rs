@@ -240,6 +240,16 @@ pub trait System: Send + Sync {
     /// M's lower triangle, as values of `description().mass_pattern`; of the rates only states of first order are read, which masses may contain.
     fn mass_matrix(&self, at: At<'_>, values: &mut [f64]);
 
+    /// M's diagonal, n numbers, 0 where there is no entry; where M is not written down the squares that it is made of, each by itself, which
+    /// grow without bound where it does.
+    /// `room` is reused between calls, which then allocate nothing.
+    fn inertias(&self, at: At<'_>, room: &mut Vec<f64>, diagonal: &mut [f64]) {
+        let pattern = &self.description().mass_pattern;
+        room.resize(pattern.len(), 0.0);
+        self.mass_matrix(at, room);
+        put_diagonal(pattern, room, diagonal);
+    }
+
     /// h, so that M a + h = 0; n numbers.
     fn bias(&self, at: At<'_>, h: &mut [f64]);
 
@@ -480,6 +490,16 @@ pub enum Function {
     Restitutions,
     /// A scene's end, tolerance and spacing of reports, then its start [q; q']: 3 + 2 n numbers, which depend on parameters only.
     Scene(usize),
+}
+
+/// What values of a pattern have on the diagonal.
+pub(crate) fn put_diagonal(pattern: &[(u32, u32)], values: &[f64], diagonal: &mut [f64]) {
+    diagonal.fill(0.0);
+    for ((row, column), value) in pattern.iter().zip(values) {
+        if row == column {
+            diagonal[*row as usize] = *value;
+        }
+    }
 }
 
 /// A direction in which a state, time and a parameter change; slices may be empty where nothing changes.

@@ -139,8 +139,11 @@ pub(super) fn motion(
         q.copy_from_slice(&y[n..]);
         accelerations(model, t, y, v)
     };
-    let elimination = (n as u64).pow(3) / 3;
-    let operations = u64::from(model.description().counts.mass_and_bias) + elimination;
+    let counts = &model.description().counts;
+    let operations = match model.is_unformed() {
+        true => u64::from(counts.accelerations),
+        false => u64::from(counts.mass_and_bias) + (n as u64).pow(3) / 3,
+    };
     let most = (MOST_OPERATIONS / operations.max(1)).min(MOST_EVALUATIONS);
     Extrapolation { rates: &rates, scales: sizes, scheme, most }.through(start, times)
 }

@@ -1,6 +1,6 @@
 //! Drift of what should be conserved.
 
-use crate::mechanism::dense::{SECOND_ROUNDING, mass_matrix, sizes_alike};
+use crate::mechanism::dense::{SECOND_ROUNDING, sizes_alike};
 use crate::mechanism::{At, Description, System};
 
 /// How far a conserved quantity went from its first value.
@@ -155,7 +155,8 @@ impl Monitor {
 /// The energy of what moves in a second by rounding of rounding of its place: what is at rest but for that has none.
 fn least_energy<S: System + ?Sized>(system: &S, at: At<'_>) -> f64 {
     let sizes = sizes_alike(system.description(), at.q);
-    let inertia = mass_matrix(system, at).diagonal();
+    let mut inertia = vec![0.0; system.len()];
+    system.inertias(at, &mut Vec::new(), &mut inertia);
     let whole: f64 = inertia.iter().zip(&sizes).map(|(inertia, size)| inertia.abs() * size * size).sum();
     if whole.is_finite() { SECOND_ROUNDING * whole } else { 0.0 }
 }

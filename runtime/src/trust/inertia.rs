@@ -13,8 +13,8 @@ use crate::mechanism::{At, Description, System};
 /// A step may pass such a point with every sign of success, and 100 % of the energy in error (catalogue C1).
 #[derive(Clone, Debug)]
 pub(crate) struct InertiaGuard {
-    /// Where the diagonal is among the values of M; `None` where it is structurally zero.
-    diagonal: Vec<Option<usize>>,
+    /// M's diagonal; 0 where it is structurally zero.
+    masses: Vec<f64>,
     start: Vec<f64>,
     began: f64,
     earlier: Vec<Sample>,
@@ -23,7 +23,7 @@ pub(crate) struct InertiaGuard {
     slope: Vec<f64>,
     /// The last state.
     y: Vec<f64>,
-    values: Vec<f64>,
+    room: Vec<f64>,
 }
 
 /// w at a time.
@@ -66,15 +66,17 @@ const LARGEST: usize = 60;
 pub(crate) fn positive_inertia(system: &dyn System, t: f64, y: &[f64]) -> Result<(), Box<Cause>> {
     let description = system.description();
     let n = system.len();
-    let mut values = vec![0.0; description.mass_pattern.len()];
-    system.mass_matrix(At::packed(t, y, n), &mut values);
     let below = |m: f64, size: f64| m < -NOTHING * size;
     let negative = |coordinate: usize| Cause::NegativeInertia { coordinate: description.coordinate_name(coordinate) };
+    let mut values = Vec::new();
     if n > LARGEST {
-        let entries = description.mass_pattern.iter().zip(&values);
-        let found = entries.filter(|((i, j), m)| i == j && below(**m, m.abs())).map(|((i, _), _)| *i as usize).min();
+        let mut diagonal = vec![0.0; n];
+        system.inertias(At::packed(t, y, n), &mut values, &mut diagonal);
+        let found = diagonal.iter().position(|m| below(*m, m.abs()));
         return found.map_or(Ok(()), |coordinate| Err(negative(coordinate).into()));
     }
+    values.resize(description.mass_pattern.len(), 0.0);
+    system.mass_matrix(At::packed(t, y, n), &mut values);
     let mut m = vec![0.0; n * n];
     for ((i, j), value) in description.mass_pattern.iter().zip(&values) {
         m[*i as usize * n + *j as usize] = *value;
@@ -131,38 +133,32 @@ const FLATTENS: f64 = 0.7;
 impl InertiaGuard {
     /// Notes M at the start; `None` where its diagonal is constant.
     pub fn new<S: System + ?Sized>(system: &S, t: f64, y: &[f64]) -> Option<Self> {
-        let description = system.description();
-        let structure = &description.structure;
+        let structure = &system.description().structure;
         if structure.constant_mass || structure.constant_inertias || system.is_empty() {
             return None;
         }
-        let place = |i: usize| {
-            description.mass_pattern.iter().position(|(row, column)| (*row, *column) == (i as u32, i as u32))
-        };
         let n = system.len();
         let mut guard = InertiaGuard {
-            diagonal: (0..n).map(place).collect(),
-            start: vec![0.0; n],
+            masses: vec![0.0; n],
+            start: Vec::new(),
             began: t,
             earlier: vec![Sample { t, w: 1.0 }; n],
             latest: vec![Sample { t, w: 1.0 }; n],
             slope: vec![f64::NAN; n],
             y: y.to_vec(),
-            values: vec![0.0; description.mass_pattern.len()],
+            room: Vec::new(),
         };
-        system.mass_matrix(At::packed(t, y, n), &mut guard.values);
-        for i in 0..n {
-            guard.start[i] = guard.mass(i).unwrap_or(0.0);
-        }
+        guard.look(system, t, y);
+        guard.start.clone_from(&guard.masses);
         Some(guard)
     }
 
     /// Looks at M after a step; tells if it has grown beyond bounds.
     pub fn observe<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) -> Option<Unbounded> {
-        system.mass_matrix(At::packed(t, y, system.len()), &mut self.values);
+        self.look(system, t, y);
         self.y.copy_from_slice(y);
         for i in 0..self.start.len() {
-            let Some(mass) = self.mass(i) else { continue };
+            let mass = self.masses[i];
             if !(self.start[i] > 0.0 && self.start[i].is_finite()) {
                 continue;
             }
@@ -187,9 +183,10 @@ impl InertiaGuard {
 
     /// Begins anew after the state was changed: there is no line through what was before.
     pub fn restart<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
-        system.mass_matrix(At::packed(t, y, system.len()), &mut self.values);
+        self.look(system, t, y);
         for i in 0..self.start.len() {
-            let w = self.mass(i).map_or(1.0, |mass| (self.start[i] / mass).sqrt());
+            let mass = self.masses[i];
+            let w = if mass == 0.0 && self.start[i] == 0.0 { 1.0 } else { (self.start[i] / mass).sqrt() };
             self.latest[i] = Sample { t, w };
         }
         self.earlier.copy_from_slice(&self.latest);
@@ -209,13 +206,12 @@ impl InertiaGuard {
 
     /// Whether the inertia of a coordinate is many times what it is now, or none, somewhere on the straight way of so many seconds.
     fn grows_ahead(&self, system: &dyn System, i: usize, left: f64) -> bool {
-        let Some(place) = self.diagonal[i] else { return false };
         let (q, v) = self.y.split_at(self.y.len() / 2);
-        let mut values = self.values.clone();
+        let (mut room, mut masses) = (Vec::new(), self.masses.clone());
         let mut mass = |part: f64| {
             let there: Vec<f64> = q.iter().zip(v).map(|(q, v)| q + part * left * v).collect();
-            system.mass_matrix(At::new(self.latest[i].t + part * left, &there, v), &mut values);
-            values[place]
+            system.inertias(At::new(self.latest[i].t + part * left, &there, v), &mut room, &mut masses);
+            masses[i]
         };
         let now = mass(0.0);
         // Beyond the point the coordinate means nothing.
@@ -228,8 +224,8 @@ impl InertiaGuard {
         self.latest.first().zip(self.earlier.first()).map_or(0.0, |(b, a)| b.t - a.t)
     }
 
-    fn mass(&self, i: usize) -> Option<f64> {
-        self.diagonal[i].map(|place| self.values[place])
+    fn look<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
+        system.inertias(At::packed(t, y, system.len()), &mut self.room, &mut self.masses);
     }
 
     /// Whether w falls less steeply than it did, as far as two slopes of it are known.

@@ -11,8 +11,9 @@ use super::{Acting, Dynamics, Energies, Equations, bias_rates, mass_entries, rat
 use crate::expr::{Forward, Graph, Id, Number, Rational, Symbol, Unary, reverse, terms, vectors};
 use crate::model::{Model, Rotation};
 
-/// M, h and F from the energies; and for each coordinate its momentum and minus the rate of that, −∂L/∂q − Q (less what masses that change add).
-pub(crate) fn equations(graph: &mut Graph, dynamics: &Dynamics) -> (Equations, Vec<(Id, Id)>) {
+/// M and h, where they are to be `formed`, and F from the energies; and for each coordinate its momentum and minus the rate of that,
+/// −∂L/∂q − Q (less what masses that change add).
+pub(crate) fn equations(graph: &mut Graph, dynamics: &Dynamics, formed: bool) -> (Equations, Vec<(Id, Id)>) {
     let n = dynamics.n;
     let mut held = dynamics.clone();
     let masses = HeldMasses::hold(graph, &mut held);
@@ -22,17 +23,15 @@ pub(crate) fn equations(graph: &mut Graph, dynamics: &Dynamics) -> (Equations, V
     let potential = potential_energy(graph, dynamics);
 
     let momenta = speed_gradient(graph, n, &[(kinetic, Id::ONE)]);
-    let mut mass = mass_entries(graph, &momenta, |s| match s {
-        Symbol::Speed(j) => Some(j as usize),
-        _ => None,
-    });
+    let speed = |s: Symbol| if let Symbol::Speed(j) = s { Some(j as usize) } else { None };
+    let mut mass = if formed { mass_entries(graph, &momenta, speed) } else { Vec::new() };
 
     let minus = graph.integer(-1);
     let gradient = reverse(graph, &[(kinetic, minus), (potential, Id::ONE)], |s| matches!(s, Symbol::Coordinate(_)));
     let resisting = resisting_forces(graph, dynamics, &velocities);
     let rest: Vec<Id> = (0..n).map(|i| graph.add(coordinate_entry(&gradient, i), resisting[i])).collect();
 
-    let bias = bias_rates(graph, &momenta);
+    let bias = if formed { bias_rates(graph, &momenta) } else { Vec::new() };
     let full = rates(graph, &momenta);
     let mut complete = |momentum_rates: Vec<Id>| -> Vec<Id> {
         momentum_rates.iter().zip(&rest).map(|(&p, &r)| graph.add(p, r)).collect()

@@ -10,6 +10,7 @@
 //!    speeds, where they can be written down: look in `integrals`, of combinations of them in `combined`.  Forces on bodies
 //!    of mass 0 balance, which is a constraint too: look in `massless`.
 //! 7. States of first order become the speeds of hidden coordinates: look in `hidden`.
+//! 8. Where M is large, and accelerations come without it, M and h are not formed at all: look in `elimination`.
 //!
 //! Every derivation gives the same [`Equations`]; `gate` compares them, `lower` picks the cheapest.
 
@@ -17,6 +18,7 @@ pub(crate) mod branches;
 mod changing_mass;
 mod combined;
 mod constraints;
+pub(crate) mod elimination;
 mod hidden;
 mod integrals;
 pub(crate) mod lagrange;
@@ -34,6 +36,7 @@ use crate::diagnose::catalogue::{mechanics, memory, sections};
 use crate::diagnose::{Place, Problem};
 use crate::expr::{Binary, Forward, Graph, Id, Node, Smooth, Symbol, Unary, canonical_sums, vectors};
 use crate::model::{Input, Load, Model, Rotation, Work};
+use elimination::Eliminated;
 
 pub(crate) use constraints::held_rates;
 pub use constraints::{Rows, RowsAgain};
@@ -47,9 +50,9 @@ pub use switches::{Switch, SwitchKind, remove as without_modes};
 pub struct Equations {
     /// Which derivation.
     pub name: &'static str,
-    /// The non-zeros of M's lower triangle, row by row: (row, column, value).
+    /// The non-zeros of M's lower triangle, row by row: (row, column, value); none where M is not formed.
     pub mass: Vec<(usize, usize, Id)>,
-    /// h.
+    /// h; nothing where M is not formed.
     pub bias: Vec<Id>,
     /// F(t, q, q', q'') = M q'' + h.
     pub residual: Vec<Id>,
@@ -93,6 +96,8 @@ pub struct Derivation {
     pub switches: Vec<Switch>,
     /// What the equations were derived from.
     pub(crate) dynamics: Dynamics,
+    /// The accelerations, where M and h are not formed.
+    pub(crate) eliminated: Option<Eliminated>,
 }
 
 /// More coordinates than this would need a dense mass matrix beyond the limit of the graph.
@@ -102,7 +107,19 @@ const COORDINATE_LIMIT: usize = 2000;
 ///
 /// # Errors
 /// The model is too large.
-pub fn derive(mut model: Model) -> Result<Derivation, Vec<Problem>> {
+pub fn derive(model: Model) -> Result<Derivation, Vec<Problem>> {
+    derived(model, true)
+}
+
+/// As [`derive`], with M and h formed however large they are.
+///
+/// # Errors
+/// The model is too large.
+pub fn derive_with_masses(model: Model) -> Result<Derivation, Vec<Problem>> {
+    derived(model, false)
+}
+
+fn derived(mut model: Model, eliminating: bool) -> Result<Derivation, Vec<Problem>> {
     if let Some(extra) = model.coordinates.get(COORDINATE_LIMIT) {
         return Err(vec![mechanics::too_many_coordinates(extra.place.clone(), COORDINATE_LIMIT)]);
     }
@@ -113,13 +130,17 @@ pub fn derive(mut model: Model) -> Result<Derivation, Vec<Problem>> {
     if model.graph.overflowed() {
         return Err(vec![too_large()]);
     }
-    let (lagrange, mut momenta) = lagrange::equations(&mut model.graph, &dynamics);
+    // With constraints M, J and what multipliers do are solved for together; states of first order are no velocities.
+    let free = model.constraints.is_empty() && model.states.is_empty();
+    let eliminated = if eliminating && free { Eliminated::of(&model.graph, &dynamics) } else { None };
+    let formed = eliminated.is_none();
+    let (lagrange, mut momenta) = lagrange::equations(&mut model.graph, &dynamics, formed);
     let mut equations = vec![lagrange];
     if model.graph.overflowed() {
         return Err(vec![too_large()]);
     }
     if !dynamics.bodies.is_empty() {
-        equations.push(virtual_power::equations(&mut model.graph, &dynamics));
+        equations.push(virtual_power::equations(&mut model.graph, &dynamics, formed));
     }
     let mut energies = lagrange::energies(&mut model, &dynamics);
     let (mut switches, signals) = (dynamics.switches.clone(), dynamics.signals.clone());
@@ -127,10 +148,12 @@ pub fn derive(mut model: Model) -> Result<Derivation, Vec<Problem>> {
         return Err(vec![too_large()]);
     }
     hidden::append(&mut model, &dynamics.state_rates, &mut equations, &mut momenta);
-    massless::balance(&mut model, &equations[0]);
+    if formed {
+        massless::balance(&mut model, &equations[0]);
+    }
     let rows = Rows::of(&mut model);
     hidden::put_in(&mut model, &dynamics.state_rates, &mut equations, &mut momenta, &mut energies, &mut switches);
-    let momentum = momentum::systems(&mut model, &rows, &switches);
+    let momentum = momentum::systems(&mut model, &rows, &switches, formed);
     if model.graph.overflowed() {
         return Err(vec![too_large()]);
     }
@@ -143,7 +166,19 @@ pub fn derive(mut model: Model) -> Result<Derivation, Vec<Problem>> {
         return Err(moved);
     }
     let named_reactions = reactions::put_in(&mut model);
-    Ok(Derivation { model, equations, rows, momentum, named_reactions, energies, momenta, signals, switches, dynamics })
+    Ok(Derivation {
+        model,
+        equations,
+        rows,
+        momentum,
+        named_reactions,
+        energies,
+        momenta,
+        signals,
+        switches,
+        dynamics,
+        eliminated,
+    })
 }
 
 /// What enters the equations of motion: the model's expressions in canonical form, with modes for
@@ -313,7 +348,10 @@ fn moved_by_memory(model: &Model, equations: &[Equations], rows: &Rows, signals:
 fn rough_tables(model: &Model, equations: &[Equations], rows: &Rows, signals: &[[Id; 3]]) -> Vec<Problem> {
     let graph = &model.graph;
     let of_rows = rows.matrix.iter().map(|entry| entry.2).chain(rows.bias.iter().copied());
-    let of_motion = equations.iter().flat_map(|e| e.mass.iter().map(|entry| entry.2).chain(e.bias.iter().copied()));
+    let of_motion = equations.iter().flat_map(|e| {
+        let unformed = if e.bias.is_empty() { e.residual.as_slice() } else { &[] };
+        e.mass.iter().map(|entry| entry.2).chain(e.bias.iter().chain(unformed).copied())
+    });
     let mut needed = graph.needed(of_motion.chain(of_rows));
     let input = |id: &Id| match graph.node(*id) {
         Node::Symbol(Symbol::Input(k, order)) => signals.get(k as usize)?.get(usize::from(order)).copied(),

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use super::Rows;
 use super::switches::{self, Switch};
-use crate::expr::{Graph, Id, Symbol, gradients, jacobian, substitute};
+use crate::expr::{Forward, Graph, Id, Symbol, gradients, jacobian, substitute};
 use crate::model::{BalanceSystem, Model};
 
 /// One system of balances, solved for nothing yet.
@@ -24,29 +24,58 @@ pub struct Momentum {
     /// Force and moment on every body, in the same unknowns, to compare reactions with; the rows of one body after the
     /// other's.
     pub bodies: Option<Box<Momentum>>,
+    /// What stands for A and b where they are not formed.
+    pub unformed: Option<Unformed>,
+}
+
+/// A system that has accelerations alone for unknowns, without A and b.
+#[derive(Clone, Debug)]
+pub struct Unformed {
+    /// The equations, A q'' − b.
+    pub values: Vec<Id>,
+    /// A d, d being `Dummy(i)` for the acceleration i.
+    pub along: Vec<Id>,
 }
 
 impl Momentum {
     /// True where A contains an unknown, so that the equations are not linear.
     pub fn is_nonlinear(&self, graph: &Graph) -> bool {
-        let symbols = graph.symbols(self.matrix.iter().map(|e| e.2));
+        let along = self.unformed.iter().flat_map(|unformed| unformed.along.iter().copied());
+        let symbols = graph.symbols(self.matrix.iter().map(|e| e.2).chain(along));
         symbols.iter().any(|s| self.unknowns.contains(s))
     }
 }
 
-/// Every system of a model, with modes in the place of the discontinuities that the equations of motion have.
-pub(crate) fn systems(model: &mut Model, rows: &Rows, known: &[Switch]) -> Vec<Momentum> {
+/// Every system of a model, with modes in the place of the discontinuities that the equations of motion have; with A and b
+/// where these are to be `formed`, or reactions are unknown.
+pub(crate) fn systems(model: &mut Model, rows: &Rows, known: &[Switch], formed: bool) -> Vec<Momentum> {
     let balances = std::mem::take(&mut model.balances);
-    let systems = balances.iter().map(|system| linear(model, rows, system, known)).collect();
+    let systems = balances.iter().map(|system| match formed || !system.reactions.is_empty() {
+        true => linear(model, rows, system, known),
+        false => unformed(model, system, known),
+    });
+    let systems = systems.collect();
     model.balances = balances;
     systems
 }
 
-fn linear(model: &mut Model, rows: &Rows, system: &BalanceSystem, known: &[Switch]) -> Momentum {
+/// A system without constraints whose unknowns are the accelerations.
+fn unformed(model: &mut Model, system: &BalanceSystem, known: &[Switch]) -> Momentum {
     let unknowns = unknowns(model, system);
-    let active = model.rows_of_system(system);
-    let acts = contact_rows_act(model, system);
     let graph = &mut model.graph;
+    let values = residuals(graph, system);
+    let values = switches::recall(graph, &values, known);
+    let mut forward = Forward::new(|g: &mut Graph, s| match s {
+        Symbol::Acceleration(i) => g.symbol(Symbol::Dummy(i)),
+        _ => Id::ZERO,
+    });
+    let along = values.iter().map(|value| forward.of(graph, *value)).collect();
+    let unformed = Some(Unformed { values, along });
+    Momentum { unknowns, matrix: Vec::new(), right: Vec::new(), constraints: 0, bodies: None, unformed }
+}
+
+/// The sums of the parts of all balances, component by component.
+fn residuals(graph: &mut Graph, system: &BalanceSystem) -> Vec<Id> {
     let mut residuals = Vec::new();
     for balance in &system.balances {
         for k in 0..balance.components {
@@ -54,6 +83,15 @@ fn linear(model: &mut Model, rows: &Rows, system: &BalanceSystem, known: &[Switc
             residuals.push(sum);
         }
     }
+    residuals
+}
+
+fn linear(model: &mut Model, rows: &Rows, system: &BalanceSystem, known: &[Switch]) -> Momentum {
+    let unknowns = unknowns(model, system);
+    let active = model.rows_of_system(system);
+    let acts = contact_rows_act(model, system);
+    let graph = &mut model.graph;
+    let mut residuals = residuals(graph, system);
     let mut of_bodies = system.bodies.clone();
     if let [phase] = system.phases.as_slice() {
         residuals = in_phase(graph, model.phases.len(), *phase, &residuals);
@@ -98,7 +136,7 @@ fn solved_for(graph: &mut Graph, residuals: &[Id], unknowns: &[Symbol], known: &
     let matrix = slopes(graph, &residuals, unknowns);
     let zero = unknowns.iter().map(|s| (*s, Id::ZERO)).collect();
     let right = substitute(graph, &residuals, &zero).into_iter().map(|rest| graph.neg(rest)).collect();
-    Momentum { unknowns: unknowns.to_vec(), matrix, right, constraints: 0, bodies: None }
+    Momentum { unknowns: unknowns.to_vec(), matrix, right, constraints: 0, bodies: None, unformed: None }
 }
 
 /// The unknowns of a system: accelerations, then the components of its reactions, then the multipliers that stand in it.

@@ -11,14 +11,17 @@ use super::{Dynamics, Equations, Inertial, bias_rates, lagrange, mass_entries, r
 use crate::expr::{Graph, Id, Rational, Symbol, reverse, vectors};
 use crate::model::{Rotation, product};
 
-/// M, h and F from the bodies.
-pub(crate) fn equations(graph: &mut Graph, dynamics: &Dynamics) -> Equations {
+/// M and h, where they are to be `formed`, and F from the bodies.
+pub(crate) fn equations(graph: &mut Graph, dynamics: &Dynamics, formed: bool) -> Equations {
     let with_accelerations = residual(graph, dynamics, rates);
-    let bias = residual(graph, dynamics, bias_rates);
-    let mass = mass_entries(graph, &with_accelerations, |s| match s {
-        Symbol::Acceleration(j) => Some(j as usize),
-        _ => None,
-    });
+    let (mut bias, mut mass) = (Vec::new(), Vec::new());
+    if formed {
+        bias = residual(graph, dynamics, bias_rates);
+        mass = mass_entries(graph, &with_accelerations, |s| match s {
+            Symbol::Acceleration(j) => Some(j as usize),
+            _ => None,
+        });
+    }
     Equations { name: "virtual power", mass, bias, residual: with_accelerations }
 }
 

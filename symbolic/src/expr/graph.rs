@@ -2,6 +2,7 @@
 
 use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
 
+use super::places::Places;
 use super::{Symbol, Table, Table2d};
 use crate::number::{DoubleDouble, Number, Rational};
 
@@ -242,6 +243,28 @@ impl Graph {
         self.needed(roots).into_iter().filter_map(leaf).collect()
     }
 
+    /// For each expression the places of the symbols that it contains, in order; each node is looked at once.
+    pub fn contained_in_each(&self, roots: &[Id], place: impl Fn(Symbol) -> Option<usize>) -> Vec<Vec<usize>> {
+        let needed = Places::new(self.needed(roots.iter().copied()));
+        let of_symbol = |id: &Id| if let Node::Symbol(s) = self.node(*id) { place(s) } else { None };
+        let words = needed.list().iter().filter_map(of_symbol).max().map_or(0, |most| most / 64 + 1);
+        let mut sets: Vec<u64> = vec![0; words * needed.list().len()];
+        for (own, id) in needed.list().iter().enumerate() {
+            if let Some(place) = of_symbol(id) {
+                sets[own * words + place / 64] |= 1 << (place % 64);
+            }
+            for child in self.children(*id) {
+                let from = needed.of(child) * words;
+                (0..words).for_each(|word| sets[own * words + word] |= sets[from + word]);
+            }
+        }
+        let places = |root: &Id| {
+            let set = &sets[needed.of(*root) * words..][..words];
+            (0..64 * words).filter(|place| set[place / 64] >> (place % 64) & 1 == 1).collect()
+        };
+        roots.iter().map(places).collect()
+    }
+
     /// For each node, whether it contains a symbol of which `wanted` is true.
     pub fn contains(&self, wanted: impl Fn(Symbol) -> bool) -> Vec<bool> {
         let mut found = vec![false; self.nodes.len()];
@@ -308,5 +331,22 @@ impl Graph {
         self.nodes.push(node);
         self.index.insert(node, id);
         id
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_expression_tells_its_own_symbols() {
+        let mut g = Graph::new();
+        let q: Vec<Id> = (0..70).map(|i| g.symbol(Symbol::Coordinate(i))).collect();
+        let time = g.symbol(Symbol::Time);
+        let (a, b) = (g.mul(q[3], q[69]), g.mul(time, q[1]));
+        let sum = g.add(a, b);
+        let place = |s| if let Symbol::Coordinate(i) = s { Some(i as usize) } else { None };
+        let found = g.contained_in_each(&[a, sum, time, Id::ONE], place);
+        assert_eq!(found, [vec![3, 69], vec![1, 3, 69], vec![], vec![]]);
     }
 }

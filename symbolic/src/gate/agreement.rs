@@ -1,7 +1,8 @@
 //! The routes from energies and from bodies against each other, entry by entry.
 //!
 //! M of two routes is compared entry by entry, h and F(t, q, q', q'') row by row, F at accelerations of its own, and F
-//! with M q'' + h within each route; rows of constraints, and the forces of their multipliers, by forward and by reverse
+//! with M q'' + h within each route; where M and h are not formed F alone, and F with accelerations by elimination, which leave
+//! nothing of it; rows of constraints, and the forces of their multipliers, by forward and by reverse
 //! passes; every difference by the magnitude of the terms of its own entry.
 
 use super::Gate;
@@ -26,23 +27,23 @@ pub(super) fn agreement(
         // A route with its own M q'' + h, and with the first route's results.
         let n = model.coordinates.len();
         let mut pairs = Vec::new();
-        let composed = composed(&mut model.graph, n, route);
-        pairs.extend(route.residual.iter().copied().zip(composed).enumerate().map(|(i, (x, y))| (i, x, y)));
+        let formed = !route.bias.is_empty();
+        if formed {
+            let composed = composed(&mut model.graph, n, route);
+            pairs.extend(route.residual.iter().copied().zip(composed).enumerate().map(|(i, (x, y))| (i, x, y)));
+        }
         if k > 0 {
             let first = &equations[0];
             pairs.extend((0..n).map(|i| (i, first.residual[i], route.residual[i])));
-            pairs.extend((0..n).map(|i| (i, first.bias[i], route.bias[i])));
-            pairs.extend(entries(first, route));
+            if formed {
+                pairs.extend((0..n).map(|i| (i, first.bias[i], route.bias[i])));
+                pairs.extend(entries(first, route));
+            }
         }
-        let name = |i: usize| {
-            (Place::default().key("bodies"), {
-                let coordinate = &model.coordinates[i];
-                match coordinate.is_hidden() {
-                    true => format!("the rate `{}`", rate_name(&coordinate.name, 2)),
-                    false => format!("the acceleration of `{}`", coordinate.name),
-                }
-            })
-        };
+        let name = |i: usize| row_name(model, i);
+        if k == 0 && !formed {
+            satisfied(model, (&route.residual, &name), states, gate)?;
+        }
         let worst = compare(model, (&pairs, &name, &|_, _| true), states, gate)?;
         if k > 0 {
             let between = (equations[0].name.to_owned(), route.name.to_owned());
@@ -50,6 +51,39 @@ pub(super) fn agreement(
         }
     }
     Ok(agreements)
+}
+
+/// What a row of F is called, and where it stands.
+fn row_name(model: &Model, i: usize) -> (Place, String) {
+    let coordinate = &model.coordinates[i];
+    let what = match coordinate.is_hidden() {
+        true => format!("the rate `{}`", rate_name(&coordinate.name, 2)),
+        false => format!("the acceleration of `{}`", coordinate.name),
+    };
+    (Place::default().key("bodies"), what)
+}
+
+/// Whether nothing is left of F with the states' own accelerations.
+fn satisfied(
+    model: &Model,
+    (residual, name): (&[Id], Naming<'_>),
+    states: &[State],
+    gate: Gate,
+) -> Result<(), Box<Problem>> {
+    let tape = Tape::new(&model.graph, residual);
+    for state in states {
+        let rows = tape.evaluate(|s| state.measured(s));
+        let largest = rows.iter().fold(0.0_f64, |most, row| most.max(row.magnitude));
+        for (i, row) in rows.iter().enumerate() {
+            let left = row.value.to_f64().abs();
+            if !gate.agrees(left, row.magnitude, largest) {
+                let (place, what) = name(i);
+                let by = format!("{left:.3e}");
+                return Err(Box::new(verdicts::derivations_disagree(place, what, by, describe(model, state))));
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Compares the rows of the constraints, differentiated in one way and in the other.
@@ -204,7 +238,7 @@ mod tests {
         ] {
             let mut derivation = derive(load(text, &[]).unwrap()).unwrap();
             let model = &mut derivation.model;
-            let motion = Motion::new(model, &derivation.equations[0], &derivation.rows, &derivation.switches);
+            let motion = Motion::new(model, (&derivation.equations[0], None), &derivation.rows, &derivation.switches);
             let gate = Gate::default();
             let all = states(model, &motion, &[], &[], gate).map_err(|problem| problem.message).unwrap().all;
             assert!(agreement(model, &derivation.equations, &all, gate).is_ok());
@@ -233,6 +267,34 @@ mod tests {
                 }
             }
             assert!(planted > 20, "{planted}");
+        }
+    }
+
+    /// The same of F where M is not formed, and of accelerations that do not belong to it.
+    #[test]
+    fn a_fault_in_one_row_of_what_is_not_formed_is_refused() {
+        let model = load(include_str!("../../../models/chain.yaml"), &[("n".to_owned(), 17)]).unwrap();
+        let mut derivation = derive(model).unwrap();
+        let model = &mut derivation.model;
+        let eliminated = derivation.eliminated.as_ref();
+        assert!(eliminated.is_some() && derivation.equations[0].bias.is_empty());
+        let motion = Motion::new(model, (&derivation.equations[0], eliminated), &derivation.rows, &derivation.switches);
+        let gate = Gate::default();
+        let all = states(model, &motion, &[], &[], gate).map_err(|problem| problem.message).unwrap().all;
+        assert!(agreement(model, &derivation.equations, &all, gate).is_ok());
+        for (k, i) in (0..2).flat_map(|k| (0..17).map(move |i| (k, i))) {
+            for (n, d) in [(1_000_000_000_001, 1_000_000_000_000), (-1, 1), (0, 1)] {
+                let mut altered = derivation.equations.clone();
+                let factor = model.graph.rational(Rational::new(n, d).unwrap());
+                altered[k].residual[i] = model.graph.mul(factor, altered[k].residual[i]);
+                assert!(agreement(model, &altered, &all, gate).is_err(), "{k} {i} times {n}/{d}");
+            }
+        }
+        for i in 0..17 {
+            let mut wrong = all.clone();
+            let a = &mut wrong[3].a[i];
+            a.value = a.value * DoubleDouble::from(1.0 + 1e-12);
+            assert!(agreement(model, &derivation.equations, &wrong, gate).is_err(), "{i}");
         }
     }
 }

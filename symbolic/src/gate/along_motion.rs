@@ -103,7 +103,7 @@ scene: {start: {x: 0, x': 1}, until: 1}
 ";
         let mut derivation = derive(load(text, &[]).expect("a good file")).expect("derives");
         let Derivation { model, equations, rows, switches, .. } = &mut derivation;
-        let motion = Motion::new(model, &equations[0], rows, switches);
+        let motion = Motion::new(model, (&equations[0], None), rows, switches);
         let (all, _) = arguments(model);
         let switches: Vec<&Argument> = all.iter().filter(|a| a.switches).collect();
         assert_eq!(switches.len(), 1);

@@ -11,6 +11,7 @@ use super::report::Agreement;
 use super::results;
 use super::state::{State, describe};
 use super::system::{Assembled, Row, evaluate};
+use super::unformed;
 use crate::derive::momentum::Momentum;
 use crate::diagnose::Problem;
 use crate::diagnose::catalogue::verdicts;
@@ -32,7 +33,11 @@ pub(super) fn agree(
         }
         let of_phase = |state: &&State| system.phases.contains(&state.phase);
         let own: Vec<State> = states.iter().filter(of_phase).cloned().collect();
-        match compare(model, system, linear, &own, gate) {
+        let agreement = match &linear.unformed {
+            Some(unformed) => unformed::agree(model, (system, unformed), &own, gate),
+            None => compare(model, system, linear, &own, gate),
+        };
+        match agreement {
             Ok(agreement) => agreements.push(agreement),
             Err(problem) => problems.push(*problem),
         }
@@ -47,7 +52,8 @@ pub(super) fn agree(
         // Reactions of constraints that depend on each other are not unique.
         let rows = |phase: &usize| model.phases.get(*phase).map_or(0, |p| model.rows_of(p).len());
         let unique = |phase: &usize| ranks.get(*phase).is_none_or(|rank| *rank == rows(phase));
-        if system.balances.iter().any(Balance::is_written) && system.phases.iter().all(unique) {
+        let named = linear.unformed.is_none();
+        if named && system.balances.iter().any(Balance::is_written) && system.phases.iter().all(unique) {
             let of_phase = |state: &&State| system.phases.contains(&state.phase);
             let own: Vec<State> = states.iter().filter(of_phase).cloned().collect();
             match results(model, motion, (system, linear), &own, gate) {

@@ -6,18 +6,18 @@
 
 use super::state::State;
 use super::system::{Assembled, Row, evaluate, zero};
-use crate::derive::momentum::unknowns;
+use crate::derive::momentum::{Momentum, unknowns};
 use crate::diagnose::Problem;
 use crate::diagnose::catalogue::mechanics;
 use crate::expr::{Measured, Symbol, Tape};
 use crate::model::{Model, SharedEnd, rate_name};
 
 /// An error for every end whose body must be named.
-pub(super) fn ambiguous(model: &mut Model, states: &[State]) -> Vec<Problem> {
+pub(super) fn ambiguous(model: &mut Model, momentum: &[Momentum], states: &[State]) -> Vec<Problem> {
     let ends = model.shared_ends.clone();
     let mut problems = Vec::new();
     for end in &ends {
-        if let Some(difference) = difference(model, end, states) {
+        if let Some(difference) = difference(model, momentum, end, states) {
             let name = |body: &usize| format!("`{}`", model.bodies[*body].name);
             let bodies: Vec<String> = end.bodies.iter().map(name).collect();
             let (last, others) = bodies.split_last().map_or(("", Vec::new()), |(l, o)| (l.as_str(), o.to_vec()));
@@ -31,13 +31,22 @@ pub(super) fn ambiguous(model: &mut Model, states: &[State]) -> Vec<Problem> {
 }
 
 /// What another choice of the body would change, in words.
-fn difference(model: &mut Model, end: &SharedEnd, states: &[State]) -> Option<String> {
+fn difference(model: &mut Model, momentum: &[Momentum], end: &SharedEnd, states: &[State]) -> Option<String> {
     for (s, system) in model.balances.clone().iter().enumerate() {
         let changes: Vec<_> = end.changes.iter().filter(|c| c.system == s).collect();
         let tape = Tape::new(&model.graph, &changes.iter().map(|c| c.value).collect::<Vec<_>>());
         let values: Vec<Vec<Measured>> = states.iter().map(|state| tape.evaluate(|s| state.measured(s))).collect();
         if values.iter().flatten().all(|x| x.vanishes(super::ROUNDINGS)) {
             continue;
+        }
+        if momentum.get(s).is_some_and(|linear| linear.unformed.is_some()) {
+            // The accelerations that satisfy an equation do not satisfy it with a part more.
+            let bodies: Vec<&str> = end.bodies.iter().map(|b| model.bodies[*b].name.as_str()).collect();
+            return Some(format!(
+                "a balance of `{}` is another one with it on another of {}",
+                system.name,
+                bodies.join(", ")
+            ));
         }
         let columns = unknowns(model, system);
         let rows = evaluate(&mut model.graph, system, &columns, states);

@@ -106,7 +106,7 @@ mod tests {
     fn known(text: &str) -> (Derivation, Motion, Vec<Struck>) {
         let mut derivation = derive(load(text, &[]).expect("a good file")).expect("derives");
         let Derivation { model, equations, rows, switches, .. } = &mut derivation;
-        let motion = Motion::new(model, &equations[0], rows, switches);
+        let motion = Motion::new(model, (&equations[0], None), rows, switches);
         let own = own_positions(model, &motion);
         let found = states(model, &motion, &[], &own, Gate::default());
         let blows = found.map_err(|problem| problem.message).expect("states").blows;

@@ -38,6 +38,7 @@ mod directions;
 mod double_counting;
 mod draw;
 mod effects;
+mod elimination;
 mod explain;
 mod freedoms;
 mod friction;
@@ -65,8 +66,9 @@ mod state;
 mod states;
 mod system;
 mod trajectory;
+mod unformed;
 
-use crate::derive::{Derivation, Equations, Rows, derive};
+use crate::derive::{Derivation, Equations, Rows, derive, derive_with_masses};
 use crate::diagnose::catalogue::{mechanics, verdicts};
 use crate::diagnose::{Place, Problem};
 use crate::expr::Id;
@@ -159,13 +161,17 @@ impl Gate {
 
     /// Runs every test and collects every failure.
     fn report(self, derivation: &mut Derivation) -> Result<Report, Vec<Problem>> {
-        let Derivation { model, equations, rows, momentum, switches, .. } = derivation;
-        // A coordinate without inertia may follow from constraints.
-        let problems = if rows.is_empty() { massless(model, equations) } else { weightless(model, equations) };
+        let Derivation { model, equations, rows, momentum, switches, eliminated, .. } = derivation;
+        // A coordinate without inertia may follow from constraints; where coordinates are eliminated each has some.
+        let problems = match rows.is_empty() {
+            _ if eliminated.is_some() => Vec::new(),
+            true => massless(model, equations),
+            false => weightless(model, equations),
+        };
         if !problems.is_empty() {
             return Err(problems);
         }
-        let motion = motion::Motion::new(model, &equations[0], rows, switches);
+        let motion = motion::Motion::new(model, (&equations[0], eliminated.as_ref()), rows, switches);
         if let Some(extra) = too_many_coupled(model, &motion) {
             return Err(vec![mechanics::too_many_coupled(extra, COUPLED_LIMIT)]);
         }
@@ -191,7 +197,7 @@ impl Gate {
             Err(problem) => problems.push(*problem),
         }
         // Where it matters which body takes a load, there is no one second derivation to compare.
-        let unclear = hinge_ambiguity::ambiguous(model, &states.all);
+        let unclear = hinge_ambiguity::ambiguous(model, momentum, &states.all);
         if unclear.is_empty() {
             match balances::agree(model, (&motion, momentum), (&states.all, &report.ranks), self) {
                 Ok((agreements, alone)) => {
@@ -281,6 +287,27 @@ pub fn judge(derivation: Derivation) -> Result<Judged, Vec<Problem>> {
 pub fn judged(model: Model) -> Result<Judged, Vec<Problem>> {
     judge(derive(model)?)
 }
+
+/// As [`judged`] where M is not formed; what does not hold is judged once more with M, where that has always been quick, and with the
+/// model that `in_parts` gives, in which every body is a part of its own in balances: this names what would mend it.
+///
+/// # Errors
+/// Everything that either finds.
+pub(crate) fn judged_and_explained(
+    model: Model,
+    in_parts: impl FnOnce() -> Result<Model, Vec<Problem>>,
+) -> Result<Judged, Vec<Problem>> {
+    let few = model.coordinates.len() <= EXPLAINED;
+    let derivation = derive(model)?;
+    let unformed = derivation.eliminated.is_some();
+    match judge(derivation) {
+        Err(_) if unformed && few => judge(derive_with_masses(in_parts()?)?),
+        outcome => outcome,
+    }
+}
+
+/// With more coordinates than this M is not formed to name what would mend a file.
+const EXPLAINED: usize = 100;
 
 /// What the file's ranges leave out, in words.
 fn left_out_by_sample(model: &Model) -> Option<String> {

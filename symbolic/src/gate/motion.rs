@@ -1,8 +1,10 @@
 //! The motion at a state: inputs, modes, and the accelerations with the scale of their errors.
 
 use super::dense::{Deficient, factor, solve};
+use super::elimination::Elimination;
 use super::rows::{Constraints, Held, RoughlyHeld};
 use super::state::State;
+use crate::derive::elimination::Eliminated;
 use crate::derive::{Equations, Rows, Switch, rates, without_modes};
 use crate::expr::{Id, Measured, Symbol, Tape};
 use crate::model::Model;
@@ -17,6 +19,8 @@ pub(super) struct Motion {
     memory: Tape,
     /// Values of all modes, from the true functions, so that what their arguments share is evaluated once.
     modes: Tape,
+    /// In the place of all that M is needed for, where it is not formed.
+    elimination: Option<Elimination>,
     /// M's entries, then h.
     equations: Tape,
     places: Vec<(usize, usize)>,
@@ -47,8 +51,13 @@ const SINGULAR: f64 = 1e-12;
 const KEPT: f64 = 1e-9;
 
 impl Motion {
-    /// For equations by any derivation.
-    pub fn new(model: &mut Model, equations: &Equations, rows: &Rows, switches: &[Switch]) -> Motion {
+    /// For equations by any derivation, by elimination where M is not formed.
+    pub fn new(
+        model: &mut Model,
+        (equations, eliminated): (&Equations, Option<&Eliminated>),
+        rows: &Rows,
+        switches: &[Switch],
+    ) -> Motion {
         let constraints = Constraints::new(model, rows, equations);
         let graph = &mut model.graph;
         let inputs = model
@@ -71,9 +80,14 @@ impl Motion {
             inputs,
             memory: Tape::new(graph, &starts),
             modes: Tape::new(graph, &modes),
+            elimination: eliminated.map(|eliminated| Elimination::new(graph, eliminated, equations)),
             equations: Tape::new(graph, &roots),
             blocks: blocks(n, &places),
-            coupled: blocks(n + constraints.len(), &[places.as_slice(), &constraints.couplings()].concat()),
+            coupled: if eliminated.is_some() {
+                Vec::new()
+            } else {
+                blocks(n + constraints.len(), &[places.as_slice(), &constraints.couplings()].concat())
+            },
             places,
             constraints,
         }
@@ -85,20 +99,32 @@ impl Motion {
         if !self.constraints.active(state.phase).is_empty() {
             return false;
         }
-        let values = self.equations.evaluate(|s| state.value(s));
-        let element = |i: usize, j: usize| {
-            let place = self.places.iter().position(|place| *place == (i.max(j), i.min(j)));
-            place.map_or(0.0, |k| values[k].to_f64())
+        let masses = match &self.elimination {
+            Some(elimination) => elimination.masses_among(state, coordinates),
+            None => self.masses_among(state, coordinates),
         };
-        let size = coordinates.map(|i| element(i, i).sqrt());
-        let scaled = |a: usize, b: usize| element(coordinates[a], coordinates[b]) / (size[a] * size[b]);
+        let size: [f64; 3] = std::array::from_fn(|k| masses[k][k].sqrt());
+        let scaled = |a: usize, b: usize| masses[a][b] / (size[a] * size[b]);
         let (x, y, z) = (scaled(0, 1), scaled(0, 2), scaled(1, 2));
         let determinant = 1.0 + 2.0 * x * y * z - x * x - y * y - z * z;
         determinant.abs() < SINGULAR
     }
 
+    /// M among some coordinates, row by row.
+    fn masses_among<const N: usize>(&self, state: &State, coordinates: [usize; N]) -> [[f64; N]; N] {
+        let values = self.equations.evaluate(|s| state.value(s));
+        let element = |i: usize, j: usize| {
+            let place = self.places.iter().position(|place| *place == (i.max(j), i.min(j)));
+            place.map_or(0.0, |k| values[k].to_f64())
+        };
+        coordinates.map(|i| coordinates.map(|j| element(i, j)))
+    }
+
     /// Operations of one evaluation, to bound work by.
     pub fn work(&self) -> usize {
+        if let Some(elimination) = &self.elimination {
+            return elimination.work();
+        }
         let cubes: usize = self.coupled.iter().map(|block| block.len().pow(3) / 3).sum();
         self.equations.operations() + cubes + self.n
     }
@@ -149,6 +175,9 @@ impl Motion {
         }
         if !self.constraints.is_empty() {
             return self.constrained(state);
+        }
+        if let Some(elimination) = &self.elimination {
+            return elimination.complete(state);
         }
         let values = self.equations.measured(|s| state.value(s));
         if values.iter().any(|x| !x.value.is_finite() || !x.magnitude.is_finite()) {
@@ -351,6 +380,11 @@ impl Motion {
         modes.resize(self.modes.len(), 0.0);
         self.modes.run(|s| at.value(s), scratch, &mut modes);
         at.modes = modes;
+        if let Some(elimination) = &self.elimination {
+            let found = elimination.roughly(|s| at.value(s), (scratch, values));
+            a.copy_from_slice(&values[..self.n]);
+            return found;
+        }
         values.resize(self.equations.len(), 0.0);
         self.equations.run(|s| at.value(s), scratch, values);
         let (mass, bias) = values.split_at(self.places.len());

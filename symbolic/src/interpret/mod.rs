@@ -205,6 +205,22 @@ impl Interpreter {
         Ok(())
     }
 
+    /// The accelerations in another kind of number, and what tests them: pairs of a pivot and what it must not be negligible
+    /// against; nothing where they are not written out.
+    pub fn accelerations_in<S: Scalar>(&self, value: impl Fn(Symbol) -> S) -> (Vec<S>, Vec<[S; 2]>) {
+        let Solved { tape, coordinates, .. } = &self.tapes.accelerations;
+        let mut values = tape.evaluate(value);
+        let tests = values.split_off(coordinates.len()).chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect();
+        (values, tests)
+    }
+
+    /// Calls `put` with each coordinate, its pivot and what that must not be negligible against, in the order of elimination.
+    pub fn pivots(&self, at: At<'_>, mut put: impl FnMut(usize, f64, f64)) {
+        let (_, tests) = self.accelerations_in(|symbol| self.value(symbol, at));
+        let coordinates = &self.tapes.accelerations.pivots;
+        coordinates.iter().zip(tests).for_each(|(coordinate, [pivot, size])| put(*coordinate, pivot, size));
+    }
+
     /// A (row by row) and b of a system of balances.
     pub fn balances(&self, system: usize, at: At<'_>, matrix: &mut [f64], right: &mut [f64]) {
         let Some((form, tape)) = self.program.momentum.get(system).zip(self.tapes.balances.get(system)) else { return };

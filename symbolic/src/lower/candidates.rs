@@ -16,8 +16,8 @@ pub(super) struct Chosen {
 }
 
 /// M, h and F may come from different derivations and in different forms: as derived, or expanded and
-/// factored again, where `expanding` is asked for.  M and h are chosen together, since they are evaluated together.
-pub(super) fn choose(graph: &mut Graph, equations: &[Equations], expanding: bool) -> Chosen {
+/// factored again.  M and h are chosen together, since they are evaluated together.
+pub(super) fn choose(graph: &mut Graph, equations: &[Equations]) -> Chosen {
     let mut masses: Vec<(String, Vec<Entry>)> = Vec::new();
     let mut biases: Vec<(String, Vec<Id>)> = Vec::new();
     let mut residuals: Vec<(String, Vec<Id>)> = Vec::new();
@@ -25,7 +25,7 @@ pub(super) fn choose(graph: &mut Graph, equations: &[Equations], expanding: bool
         let name = derivation.name;
         let values: Vec<Id> = derivation.mass.iter().map(|e| e.2).collect();
         // Expanded forms of different derivations are the same up to order, so one is enough.
-        if expanding && masses.is_empty() {
+        if masses.is_empty() {
             for (words, form) in expanded(graph, &values) {
                 let entries = derivation.mass.iter().zip(form).map(|(e, x)| (e.0, e.1, x));
                 masses.push((format!("{name}, {words}"), entries.filter(|e| e.2 != Id::ZERO).collect()));
@@ -66,12 +66,23 @@ pub(super) fn choose(graph: &mut Graph, equations: &[Equations], expanding: bool
         entry.2 = value;
     }
     residuals.push(("M q'' + h".to_owned(), product_form(graph, &mass, &bias)));
+    let (residual_words, residual) = cheapest_residual(graph, residuals);
+    Chosen { mass, bias, residual, words: format!("M: {mass_words}; h: {bias_words}; F: {residual_words}") }
+}
+
+/// F alone, where M and h are not formed.
+pub(super) fn without_masses(graph: &mut Graph, equations: &[Equations]) -> Chosen {
+    let residuals = equations.iter().map(|derivation| (derivation.name.to_owned(), derivation.residual.clone()));
+    let (words, residual) = cheapest_residual(graph, residuals.collect());
+    Chosen { mass: Vec::new(), bias: Vec::new(), residual, words: format!("F: {words}") }
+}
+
+fn cheapest_residual(graph: &mut Graph, mut residuals: Vec<(String, Vec<Id>)>) -> (String, Vec<Id>) {
     for values in residuals.iter_mut().map(|(_, values)| values) {
         *values = gathered(graph, std::mem::take(values), &[]);
     }
     let k = (0..residuals.len()).min_by_key(|&k| work(graph, &residuals[k].1)).unwrap_or(0);
-    let (residual_words, residual) = residuals.swap_remove(k);
-    Chosen { mass, bias, residual, words: format!("M: {mass_words}; h: {bias_words}; F: {residual_words}") }
+    residuals.swap_remove(k)
 }
 
 /// M q'' + h from M and h.

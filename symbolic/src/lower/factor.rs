@@ -158,19 +158,6 @@ pub(super) fn dense_operations(n: usize) -> usize {
     n * n * n / 3 + 2 * n * n
 }
 
-/// Operations of factoring an M with these entries and substituting, zeros left out where that is written out.
-pub(super) fn factoring_operations(n: usize, mass: &[Entry]) -> usize {
-    let mut coupled = couplings(n, mass);
-    let mut operations = 0;
-    let mut left: Vec<usize> = (0..n).collect();
-    while let Some(place) = (0..left.len()).min_by_key(|&p| (coupled[left[p]].len(), left[p])) {
-        let k = left.remove(place);
-        operations += operations_of_column(coupled[k].len());
-        eliminate(&mut coupled, k);
-    }
-    operations.min(dense_operations(n))
-}
-
 /// Operations of eliminating a coordinate that is coupled with so many: its reciprocal, factors and updates.
 fn operations_of_column(degree: usize) -> usize {
     1 + degree + degree * (degree + 1)

@@ -21,18 +21,19 @@ mod symmetry;
 mod time;
 mod zero_factors;
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use crate::derive::{Derivation, Switch, held_rates, rates};
 use crate::diagnose::Problem;
-use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary, jacobian, reverse};
+use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary, jacobian, reverse, substitute};
 use crate::gate::{Judged, Report};
 use crate::model::{Model, Scene, Shape};
 
 pub use arguments::{Argument, Role, Watched};
 pub use constraints::Constraints;
 pub use count::operations;
-pub use elimination::Elimination;
+pub use elimination::{Cost, Elimination};
 pub use factor::Accelerations;
 pub use momentum::MomentumSystem;
 pub use parts::Part;
@@ -60,6 +61,9 @@ pub struct Program {
     pub signals: Vec<[Id; 3]>,
     /// What a jump of each input does.
     pub jumps: Vec<InputJump>,
+    /// Whether M, h, the Jacobians of F, and A and b of balances that name no reactions are not formed, since M is large and
+    /// accelerations come without it; [`Program::with_matrices`] forms them.
+    pub unformed: bool,
     /// M's lower triangle.
     pub mass: Vec<Entry>,
     /// h; without the forces of multipliers.
@@ -162,6 +166,14 @@ pub struct Counts {
     pub jacobians: usize,
 }
 
+impl Counts {
+    /// With what M, h and Jacobians take by slopes of F along every acceleration, coordinate and speed.
+    fn by_slopes(self, n: usize) -> Counts {
+        let f = self.residual;
+        Counts { mass: n * f, bias: f, mass_and_bias: (n + 1) * f, jacobians: (2 * n + 1) * f, ..self }
+    }
+}
+
 /// The functions of time that stand for the inputs, and their rates, that expressions read.
 pub fn read_signals(graph: &Graph, signals: &[[Id; 3]], roots: impl Iterator<Item = Id>) -> Vec<Id> {
     let signal = |symbol: Symbol| match symbol {
@@ -184,8 +196,23 @@ pub fn compile(text: &str, sizes: &[(String, i64)]) -> Result<Program, Vec<Probl
 /// # Errors
 /// Everything that is wrong with the model file, and with them.
 pub fn compile_in(folder: Option<&Path>, text: &str, sizes: &[(String, i64)]) -> Result<Program, Vec<Problem>> {
+    compile_for_runs_in(folder, text, sizes).and_then(Program::with_matrices)
+}
+
+/// As [`compile_in`], but what is [`Program::unformed`] stays so.
+///
+/// # Errors
+/// Everything that is wrong with the model file, and with the files of its tables.
+pub fn compile_for_runs_in(
+    folder: Option<&Path>,
+    text: &str,
+    sizes: &[(String, i64)],
+) -> Result<Program, Vec<Problem>> {
     match crate::model::read_through_in(folder, text, sizes) {
-        (Some(model), problems) if problems.is_empty() => lower(crate::gate::judged(model)?),
+        (Some(model), problems) if problems.is_empty() => {
+            let in_parts = || crate::model::load_in_parts(folder, text, sizes);
+            lower(crate::gate::judged_and_explained(model, in_parts)?)
+        }
         (Some(model), mut problems) => {
             // Mistakes that leave the equations as written hide nothing that the gate finds in them.
             problems.extend(crate::gate::judged(model).err().into_iter().flatten());
@@ -203,33 +230,46 @@ pub fn compile_in(folder: Option<&Path>, text: &str, sizes: &[(String, i64)]) ->
 pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let Judged { derivation, cyclic, directions, report } = judged;
     let Derivation {
-        mut model, equations, rows, momentum, named_reactions, energies, signals, switches, dynamics, ..
+        mut model,
+        equations,
+        rows,
+        momentum,
+        named_reactions,
+        energies,
+        signals,
+        switches,
+        dynamics,
+        eliminated,
+        ..
     } = derivation;
     let n = model.coordinates.len();
     let graph = &mut model.graph;
 
     // With constraints M, J and what multipliers do are solved for together; states of first order are no velocities.
     let free = rows.is_empty() && dynamics.n == n;
-    let eliminated = free.then(|| elimination::Found::of(graph, &dynamics, &equations[0].mass)).flatten();
-    let certain = eliminated.as_ref().is_some_and(|found| found.is_certain(&equations[0].mass));
-    let mut chosen = candidates::choose(graph, &equations, !certain);
+    let unformed = eliminated.is_some();
+    let found = match &eliminated {
+        Some(eliminated) => elimination::Found::without_masses(eliminated),
+        None => free.then(|| elimination::Found::of(graph, &dynamics, &equations[0].mass)).flatten(),
+    };
+    let mut chosen = match unformed {
+        true => candidates::without_masses(graph, &equations),
+        false => candidates::choose(graph, &equations),
+    };
     let mut constraints = constraints::lowered(graph, rows, &mut chosen);
     chosen.bias = gather::gather(graph, &chosen.bias);
     chosen.residual = gather::gather(graph, &chosen.residual);
     // With constraints the forces of their multipliers are no part of h any more.
     let derived = equations.iter().filter(|_| constraints.is_empty()).map(|derivation| derivation.bias.clone());
     let derived: Vec<Vec<Id>> = derived.collect();
-    let mut accelerations = if certain {
-        Accelerations::Loop
-    } else {
-        factor::accelerations(graph, n, &chosen.mass, &chosen.bias, &derived)
+    let mut accelerations = match unformed {
+        true => Accelerations::Loop,
+        false => factor::accelerations(graph, n, &chosen.mass, &chosen.bias, &derived),
     };
-    let (mut stiffness, mut damping) = residual_jacobians(graph, n, &chosen.residual);
-    let slopes = stiffness.iter().chain(&damping).map(|e| e.2).collect();
-    let slopes = forms::gathered(graph, slopes, &chosen.residual);
-    for (entry, value) in stiffness.iter_mut().chain(&mut damping).zip(slopes) {
-        entry.2 = value;
-    }
+    let (stiffness, damping) = match unformed {
+        true => (Vec::new(), Vec::new()),
+        false => gathered_jacobians(graph, n, &chosen.residual),
+    };
     let input = entries(jacobian(graph, &chosen.residual, |s| match s {
         Symbol::Input(k, order @ 0..=2) => Some(3 * k as usize + usize::from(order)),
         _ => None,
@@ -260,7 +300,14 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let drawing = model.draw.iter().flat_map(drawn).collect();
 
     let by_masses = (chosen.mass.as_slice(), chosen.bias.as_slice());
-    let elimination = eliminated.map(|found| found.choose(graph, by_masses, &mut accelerations));
+    let elimination = match found {
+        Some(found) if unformed => {
+            let (own, taken) = found.take(graph);
+            accelerations = own;
+            Some(taken)
+        }
+        found => found.map(|found| found.choose(graph, by_masses, &mut accelerations)),
+    };
     let reads = parts::reads(graph, &chosen.residual, &constraints, &switches, &model.events);
     let parts = parts::parts(n, reads.as_deref());
     let structure = structure::recognise(
@@ -282,17 +329,27 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
         conservative: structure.conservative && n > model.states.len(),
         ..structure
     };
+    let structure = match &eliminated {
+        Some(eliminated) => structure.without_masses(graph, &eliminated.least.1, &accelerations),
+        None => structure,
+    };
     let count = |roots: Vec<Id>| operations(graph, &roots);
     let values = |entries: &[Entry]| entries.iter().map(|e| e.2).collect::<Vec<_>>();
+    let of_motion = match unformed {
+        true => chosen.residual.clone(),
+        false => [values(&chosen.mass), chosen.bias.clone()].concat(),
+    };
+    let residual_operations = count(chosen.residual.clone());
     let counts = Counts {
         mass: count(values(&chosen.mass)),
         bias: count(chosen.bias.clone()),
         mass_and_bias: count([values(&chosen.mass), chosen.bias.clone()].concat()),
         accelerations: accelerations.operations(graph, n, &chosen.mass, &chosen.bias)
-            + count(read_signals(graph, &signals, values(&chosen.mass).into_iter().chain(chosen.bias.iter().copied()))),
-        residual: count(chosen.residual.clone()),
-        jacobians: count([values(&stiffness), values(&damping), chosen.residual.clone()].concat()),
+            + count(read_signals(graph, &signals, of_motion.into_iter())),
+        residual: residual_operations,
+        jacobians: jacobian_operations(graph, &chosen.residual, &stiffness, &damping),
     };
+    let counts = if unformed { counts.by_slopes(n) } else { counts };
     let momentum = momentum::systems(&mut model, momentum, &named_reactions);
     let mut program = Program {
         report,
@@ -300,6 +357,7 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
         switches,
         signals,
         jumps,
+        unformed,
         mass: chosen.mass,
         bias: chosen.bias,
         constraints,
@@ -355,6 +413,48 @@ impl Program {
         }
     }
 
+    /// With all that was not formed.
+    ///
+    /// # Errors
+    /// It is too large.
+    pub fn with_matrices(mut self) -> Result<Program, Vec<Problem>> {
+        if !self.unformed {
+            return Ok(self);
+        }
+        let n = self.model.coordinates.len();
+        let graph = &mut self.model.graph;
+        let column = |s: Symbol| if let Symbol::Acceleration(j) = s { Some(j as usize) } else { None };
+        self.mass = crate::derive::mass_entries(graph, &self.residual, column);
+        let rest = (0..n).map(|i| (Symbol::Acceleration(i as u32), Id::ZERO)).collect();
+        self.bias = substitute(graph, &self.residual, &rest);
+        gather_entries(graph, &mut self.mass);
+        self.bias = gather::gather(graph, &self.bias);
+        (self.stiffness, self.damping) = gathered_jacobians(graph, n, &self.residual);
+        let masses: Vec<Id> = self.mass.iter().map(|e| e.2).collect();
+        self.counts.mass = operations(graph, &masses);
+        self.counts.bias = operations(graph, &self.bias);
+        self.counts.mass_and_bias = operations(graph, &[masses, self.bias.clone()].concat());
+        self.counts.jacobians = jacobian_operations(graph, &self.residual, &self.stiffness, &self.damping);
+        if let Some(elimination) = &mut self.elimination {
+            let by_masses = (n, self.mass.as_slice(), self.bias.as_slice());
+            elimination.by_masses = Some(elimination::cost_by_masses(graph, by_masses, &Accelerations::Loop));
+        }
+        momentum::form(&mut self);
+        self.unformed = false;
+        if self.model.graph.overflowed() {
+            return Err(vec![crate::derive::too_large()]);
+        }
+        Ok(self)
+    }
+
+    /// The same with all that was not formed; `None` where that is too large.
+    pub fn formed(&self) -> Option<Cow<'_, Program>> {
+        match self.unformed {
+            true => self.clone().with_matrices().ok().map(Cow::Owned),
+            false => Some(Cow::Borrowed(self)),
+        }
+    }
+
     /// With the recurrences of its power series, where it has some.
     pub fn with_series(mut self) -> Program {
         self.series = Series::of(&self);
@@ -371,6 +471,7 @@ impl Program {
             switches: Vec::new(),
             signals: Vec::new(),
             jumps: Vec::new(),
+            unformed: false,
             mass: Vec::new(),
             bias: Vec::new(),
             constraints: Constraints::default(),
@@ -438,6 +539,23 @@ fn input_jump(graph: &mut Graph, residual: &[Id], input: u32) -> InputJump {
     // What the slope sees during the jump must not change with it.
     let changes = |s: &Symbol| matches!(s, Symbol::Speed(_) | Symbol::Input(_, 1)) || *s == Symbol::Input(input, 0);
     if symbols.iter().any(changes) { InputJump::Refused } else { InputJump::Speed }
+}
+
+/// ∂F/∂q and ∂F/∂q' in their best form.
+fn gathered_jacobians(graph: &mut Graph, n: usize, residual: &[Id]) -> (Vec<Entry>, Vec<Entry>) {
+    let (mut stiffness, mut damping) = residual_jacobians(graph, n, residual);
+    let slopes = stiffness.iter().chain(&damping).map(|e| e.2).collect();
+    let slopes = forms::gathered(graph, slopes, residual);
+    for (entry, value) in stiffness.iter_mut().chain(&mut damping).zip(slopes) {
+        entry.2 = value;
+    }
+    (stiffness, damping)
+}
+
+/// Operations of F with its Jacobians.
+fn jacobian_operations(graph: &Graph, residual: &[Id], stiffness: &[Entry], damping: &[Entry]) -> usize {
+    let slopes = stiffness.iter().chain(damping).map(|entry| entry.2);
+    operations(graph, &slopes.chain(residual.iter().copied()).collect::<Vec<_>>())
 }
 
 /// ∂F/∂q and ∂F/∂q', forward or row by row in reverse, whichever is cheaper.

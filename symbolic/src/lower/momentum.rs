@@ -3,8 +3,9 @@
 use super::count::{operations, work};
 use super::forms::expanded;
 use super::gather::gather;
-use super::{Entry, gather_entries};
-use crate::derive::Momentum;
+use super::{Entry, Program, gather_entries};
+use crate::derive::momentum::systems as formed;
+use crate::derive::{Momentum, Rows};
 use crate::expr::{Graph, Id, Symbol};
 use crate::model::{BalanceSystem, Model, rate_name};
 
@@ -32,12 +33,28 @@ pub struct MomentumSystem {
 /// Expanding is tried up to this many equations.
 const EXPAND_LIMIT: usize = 12;
 
-/// Lowers every system.
+/// Lowers every system that is formed.
 pub(super) fn systems(model: &mut Model, momentum: Vec<Momentum>, named: &[(usize, Symbol)]) -> Vec<MomentumSystem> {
     let balances = std::mem::take(&mut model.balances);
-    let lowered = balances.iter().zip(momentum).map(|(system, linear)| lower(model, system, linear, named)).collect();
+    let formed = balances.iter().zip(momentum).filter(|(_, linear)| linear.unformed.is_none());
+    let lowered = formed.map(|(system, linear)| lower(model, system, linear, named)).collect();
     model.balances = balances;
     lowered
+}
+
+/// Forms and lowers the systems that were not, which name no reactions; all stand in the order of the file then.
+pub(super) fn form(program: &mut Program) {
+    let Program { model, switches, .. } = program;
+    let rows = Rows::of(model);
+    let momentum = formed(model, &rows, switches, true);
+    let mut known = std::mem::take(&mut program.momentum);
+    let mut all = systems(&mut program.model, momentum, &[]);
+    for system in &mut all {
+        if let Some(place) = known.iter().position(|other| other.name == system.name) {
+            *system = known.swap_remove(place);
+        }
+    }
+    program.momentum = all;
 }
 
 fn lower(model: &mut Model, system: &BalanceSystem, linear: Momentum, named: &[(usize, Symbol)]) -> MomentumSystem {

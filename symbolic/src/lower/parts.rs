@@ -60,7 +60,7 @@ pub(super) fn reads(
         return None;
     }
     let rows = rows(graph, constraints);
-    let mut reads: Vec<Vec<usize>> = residual.iter().map(|force| active(graph, &[*force], (&rows, switches))).collect();
+    let mut reads = active_in_each(graph, residual, (&rows, switches));
     for (row, coordinate, _) in &constraints.matrix {
         reads[*coordinate].extend(&rows[*row]);
     }
@@ -71,13 +71,18 @@ pub(super) fn reads(
 pub(super) fn parts(n: usize, reads: Option<&[Vec<usize>]>) -> Vec<Vec<usize>> {
     let Some(reads) = reads else { return if n == 0 { Vec::new() } else { vec![(0..n).collect()] } };
     let mut part: Vec<usize> = (0..n).collect();
+    let mut joins = vec![false; n];
     for (row, read) in reads.iter().enumerate() {
         let joined: Vec<usize> = read.iter().chain([&row]).map(|member| part[*member]).collect();
-        let least = joined.iter().min().copied();
-        part.iter_mut().filter(|own| joined.contains(own)).for_each(|own| *own = least.unwrap_or(*own));
+        let least = joined.iter().min().copied().unwrap_or(row);
+        joined.iter().for_each(|own| joins[*own] = *own != least);
+        part.iter_mut().filter(|own| joins[**own]).for_each(|own| *own = least);
+        joined.iter().for_each(|own| joins[*own] = false);
     }
-    let of = |first: usize| (0..n).filter(|k| part[*k] == first).collect();
-    (0..n).filter(|k| part[*k] == *k).map(of).collect()
+    let mut parts: Vec<Vec<usize>> = vec![Vec::new(); n];
+    (0..n).for_each(|k| parts[part[k]].push(k));
+    parts.retain(|part| !part.is_empty());
+    parts
 }
 
 /// These coordinates, and all on which their motion depends, by way of others too.
@@ -138,13 +143,15 @@ fn apart(program: &mut Program, parts: &[Vec<usize>]) -> Option<Vec<Part>> {
         }
         let forces = coordinates.iter().map(|i| residual[*i]);
         let events: Vec<usize> = (0..readers.len()).filter(|event| readers[*event] == k).collect();
-        let steady = !program.mass.iter().any(|entry| own(&entry.0) && varies[entry.2.index()]);
-        let bias = graph.symbols(coordinates.iter().map(|i| program.bias[*i]));
+        // An M that is not formed changes.
+        let steady = !program.unformed && !program.mass.iter().any(|entry| own(&entry.0) && varies[entry.2.index()]);
+        let bias = graph.symbols(coordinates.iter().filter_map(|i| program.bias.get(*i).copied()));
         found.push(Part {
             separable: steady && !bias.iter().any(|s| matches!(s, Symbol::Speed(_))),
             coordinates: coordinates.clone(),
             energy: [kinetic, potential, jacobi, power, graph.add(sizes[0], sizes[1])],
-            linear: slopes.iter().all(|list| !list.iter().any(|entry| own(&entry.0) && varies[entry.2.index()])),
+            linear: steady
+                && slopes.iter().all(|list| !list.iter().any(|entry| own(&entry.0) && varies[entry.2.index()])),
             time_dependent: graph.symbols(forces).iter().any(|s| matches!(s, Symbol::Time | Symbol::Input(..))),
             arguments: arguments_of(graph, arguments, (&events, own)),
             events,
@@ -225,6 +232,26 @@ fn arguments_of(
         }
     }
     found
+}
+
+/// The same of each expression by itself, each node looked at once.
+fn active_in_each(graph: &Graph, expressions: &[Id], (rows, switches): (&[Vec<usize>], &[Switch])) -> Vec<Vec<usize>> {
+    let n = expressions.len();
+    let place = |symbol| match symbol {
+        Symbol::Coordinate(i) | Symbol::Speed(i) | Symbol::Acceleration(i) => Some(i as usize),
+        Symbol::Multiplier(row) => Some(n + row as usize),
+        Symbol::Mode(k) => Some(n + rows.len() + k as usize),
+        _ => None,
+    };
+    let of_switch: Vec<Vec<usize>> =
+        (0..switches.len()).map(|k| active(graph, &[switches[k].argument], (rows, &switches[..k]))).collect();
+    let coordinates = |place: usize| match place.checked_sub(n) {
+        None => vec![place],
+        Some(row) if row < rows.len() => rows[row].clone(),
+        Some(other) => of_switch.get(other - rows.len()).cloned().unwrap_or_default(),
+    };
+    let contained = graph.contained_in_each(expressions, place);
+    contained.into_iter().map(|places| places.into_iter().flat_map(coordinates).collect()).collect()
 }
 
 /// The coordinates of which expressions contain anything, by way of multipliers and discontinuities too.

@@ -102,6 +102,7 @@ pub fn routh(program: &Program) -> Result<Reduced, NotReduced> {
     if !plain || program.model.phases.len() > 1 {
         return Err(NotReduced::NotSmooth);
     }
+    let program = &*program.formed().ok_or(NotReduced::TooLarge)?;
     let mut model = program.model.clone();
     let mut ignored = ignored(program, &mut model);
     let n = model.coordinates.len();

@@ -1,10 +1,11 @@
 //! What is recognised in the equations.
 
-use super::Entry;
 use super::candidates::Chosen;
 use super::constraints::Constraints;
 use super::count::varying;
+use super::{Accelerations, Entry};
 use crate::derive::Switch;
+use crate::derive::elimination::Forms;
 use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary};
 use crate::gate::Direction;
 
@@ -13,7 +14,7 @@ use crate::gate::Direction;
 pub struct Structure {
     /// M does not change along a run.
     pub constant_mass: bool,
-    /// M's diagonal does not change along a run.
+    /// M's diagonal does not change along a run; where M is not formed, the squares that it is made of do not.
     pub constant_inertias: bool,
     /// M is diagonal.
     pub diagonal_mass: bool,
@@ -35,6 +36,27 @@ pub struct Structure {
     pub directions: Vec<Direction>,
     /// Decoupled sets of coordinates.
     pub parts: Vec<Vec<usize>>,
+}
+
+impl Structure {
+    /// Where M is not formed, since it is large and changes along a run: what its own forms say of it.
+    pub(super) fn without_masses(self, graph: &Graph, forms: &Forms, accelerations: &Accelerations) -> Structure {
+        let varying = varying(graph);
+        let constant_inertias = match accelerations {
+            Accelerations::Unrolled { pivots, .. } => pivots.iter().all(|(_, _, size)| !varying[size.index()]),
+            Accelerations::Loop => false,
+        };
+        Structure {
+            constant_mass: false,
+            constant_inertias,
+            diagonal_mass: false,
+            mass_blocks: forms.blocks(),
+            separable: false,
+            linear: false,
+            uniformly_accelerated: false,
+            ..self
+        }
+    }
 }
 
 pub(super) fn recognise(

@@ -51,6 +51,7 @@ pub fn symmetries(program: &Program, parameters: &[f64]) -> Option<Symmetries> {
     if !simple || states.is_empty() || n == 0 {
         return None;
     }
+    let program = &*program.formed()?;
     let tape = Tape::new(&program.model.graph, &program.residual);
     let mut random = Random::new();
     let state = |_| {

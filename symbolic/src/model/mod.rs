@@ -21,6 +21,7 @@ pub use event::{Clock, Event, EventAction, HeldValue, Noise, Set, Target, Trigge
 pub use gimbals::Gimbal;
 pub use identifier::{KEYWORDS, METHODS, field_name, is_snake_case, local_name, method_name, type_name};
 pub use motion::{Closes, Goal, Image, Motion};
+pub(crate) use resolve::load_in_parts;
 pub use resolve::{load, load_in, read_through, read_through_in, resolve};
 pub use resolved::{
     Balance, BalanceSystem, Body, Change, Check, Conserved, Constraint, Coordinate, Derived, Family, GeneralizedForce,

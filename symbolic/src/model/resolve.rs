@@ -61,7 +61,7 @@ const KEYS: [&str; 38] = [
 /// # Errors
 /// Everything that is wrong with the file.
 pub fn resolve(root: &Node, sizes: &[(String, i64)]) -> Result<Model, Vec<Problem>> {
-    whole(resolve_through(root, sizes, None))
+    whole(resolve_through(root, sizes, None, false))
 }
 
 /// The model, if nothing is wrong.
@@ -73,9 +73,16 @@ fn whole((model, problems): (Option<Model>, Vec<Problem>)) -> Result<Model, Vec<
 }
 
 /// As [`resolve`], and with all that is wrong the model too where its equations of motion are as meant: problems of
-/// units leave every expression its meaning, and what a run only observes does not enter the equations.
-fn resolve_through(root: &Node, sizes: &[(String, i64)], folder: Option<&Path>) -> (Option<Model>, Vec<Problem>) {
+/// units leave every expression its meaning, and what a run only observes does not enter the equations.  `in_parts`: what every body
+/// does to a balance is a part of its own however many they are.
+fn resolve_through(
+    root: &Node,
+    sizes: &[(String, i64)],
+    folder: Option<&Path>,
+    in_parts: bool,
+) -> (Option<Model>, Vec<Problem>) {
     let mut resolver = Resolver::new(Spot::root(root), folder);
+    resolver.in_parts = in_parts;
     resolver.head();
     // 1. Names; look in `declare.rs` and `parameters.rs`.
     resolver.scope.dimension = dimension(root);
@@ -147,7 +154,12 @@ pub fn load(text: &str, sizes: &[(String, i64)]) -> Result<Model, Vec<Problem>> 
 /// # Errors
 /// Everything that is wrong with it and with them.
 pub fn load_in(folder: Option<&Path>, text: &str, sizes: &[(String, i64)]) -> Result<Model, Vec<Problem>> {
-    whole(resolve_through(&crate::file::read(text)?, sizes, folder))
+    whole(resolve_through(&crate::file::read(text)?, sizes, folder, false))
+}
+
+/// As [`load_in`], with what every body does to a balance as a part of its own however many they are.
+pub(crate) fn load_in_parts(folder: Option<&Path>, text: &str, sizes: &[(String, i64)]) -> Result<Model, Vec<Problem>> {
+    whole(resolve_through(&crate::file::read(text)?, sizes, folder, true))
 }
 
 /// Reads and resolves the text of a file as far as it goes: all problems, and the model wherever it can be derived and
@@ -172,7 +184,7 @@ pub fn read_through(text: &str, sizes: &[(String, i64)]) -> (Option<Model>, Vec<
 /// As [`read_through`], for a file in a folder, where the files of its tables are.
 pub fn read_through_in(folder: Option<&Path>, text: &str, sizes: &[(String, i64)]) -> (Option<Model>, Vec<Problem>) {
     match crate::file::read(text) {
-        Ok(root) => resolve_through(&root, sizes, folder),
+        Ok(root) => resolve_through(&root, sizes, folder, false),
         Err(problems) => (None, problems),
     }
 }

@@ -313,6 +313,11 @@ pub struct Load {
 }
 
 impl Load {
+    /// Whether it stands for the change of a load that another body would take, and is of no file: no label of a file starts so.
+    pub fn is_moved(&self) -> bool {
+        self.name.starts_with('\0')
+    }
+
     /// What its work and its pushes are made of.
     pub fn expressions(&self) -> Vec<Id> {
         let work = match self.work {

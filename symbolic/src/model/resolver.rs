@@ -13,6 +13,7 @@ use super::resolved::Model;
 use super::section::contacts::ContactText;
 use super::section::joints::Fixed;
 use super::section::resolve_values::{Item, Want};
+use super::section::running_sums::Blocks;
 use super::section::watched::Watched;
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{names, sections};
@@ -42,6 +43,10 @@ pub struct Resolver<'a> {
     pub folder: Option<PathBuf>,
     /// Contacts, to be looked at when values are known.
     pub contacts: Vec<ContactText>,
+    /// Sums over blocks of bodies.
+    pub blocks: Blocks,
+    /// Whether what every body does to a balance is to be a part of its own.
+    pub in_parts: bool,
     /// The result so far.
     pub model: Model,
     names: usize,
@@ -61,6 +66,8 @@ impl<'a> Resolver<'a> {
             masses: Vec::new(),
             contacts: Vec::new(),
             folder: folder.map(Path::to_owned),
+            blocks: Blocks::default(),
+            in_parts: false,
             model: Model::default(),
             names: 0,
         }

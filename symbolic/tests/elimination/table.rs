@@ -33,7 +33,8 @@ pub fn operations(text: &str, n: i64) -> (usize, String, String) {
     match program.elimination {
         None => (count, format!("{n}: *{count}*"), String::new()),
         Some(found) => {
-            let [own, by_masses] = found.operations;
+            let own = found.cost.operations;
+            let by_masses = found.by_masses.map_or(0, |cost| cost.operations);
             let cell = if found.order.is_some() { own.to_string() } else { format!("*{own}*") };
             (own, format!("{n}: {cell} ({by_masses})"), found.front.to_string())
         }

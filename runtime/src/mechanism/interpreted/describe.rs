@@ -151,6 +151,7 @@ pub(super) fn describe(program: &Program, source: &str) -> Description {
         |name: &str, n: usize, of: &Option<String>| Quantity { name: text(name), components: n as u32, unit: unit(of) };
     let s = &program.structure;
     let c = program.counts;
+    let n = model.coordinates.len() as u32;
     let mut impacts = 0;
     Description {
         name: text(&model.name),
@@ -172,9 +173,9 @@ pub(super) fn describe(program: &Program, source: &str) -> Description {
         integrals: model.integrals.iter().map(integral).collect(),
         derived: model.derived.iter().map(|d| text(&d.name)).collect(),
         inputs: model.inputs.iter().map(|u| text(&u.name)).collect(),
-        mass_pattern: pattern(&program.mass),
-        stiffness_pattern: pattern(&program.stiffness),
-        damping_pattern: pattern(&program.damping),
+        mass_pattern: if program.unformed { full(n, |row| row + 1) } else { pattern(&program.mass) },
+        stiffness_pattern: if program.unformed { full(n, |_| n) } else { pattern(&program.stiffness) },
+        damping_pattern: if program.unformed { full(n, |_| n) } else { pattern(&program.damping) },
         input_pattern: pattern(&program.input),
         time_pattern: program.time.iter().map(|e| e.0 as u32).collect(),
         timed_switches: program.timed_switches.iter().map(|k| *k as u32).collect(),
@@ -322,6 +323,11 @@ pub(super) fn noise(noise: &dalembert_symbolic::model::Noise) -> Noise {
         event: noise.event as u32,
         held: noise.held.iter().map(|j| *j as u32).collect(),
     }
+}
+
+/// All places of rows of so many columns.
+fn full(n: u32, columns: impl Fn(u32) -> u32) -> List<(u32, u32)> {
+    (0..n).flat_map(|row| (0..columns(row)).map(move |column| (row, column))).collect()
 }
 
 fn table(table: expr::Table) -> Table {

@@ -28,6 +28,9 @@ impl Interpreted {
         at: ExtendedAt<'_>,
         a: &mut [DoubleDouble],
     ) -> Result<(), SingularMass> {
+        if self.is_unformed() {
+            return self.eliminated(at, a);
+        }
         let pattern = &self.description.mass_pattern;
         let mut entries = vec![DoubleDouble::ZERO; pattern.len()];
         self.extended(Function::Mass, at, &mut entries);
@@ -41,26 +44,49 @@ impl Interpreted {
         solve(&mut lower, a)
     }
 
+    /// The same as they are written out.
+    fn eliminated(&self, at: ExtendedAt<'_>, a: &mut [DoubleDouble]) -> Result<(), SingularMass> {
+        let u = self.extended_inputs(at);
+        let (found, tests) = self.interpreter.accelerations_in(|symbol| self.known(symbol, at, &u));
+        let fails = |[pivot, size]: &[DoubleDouble; 2]| {
+            let pivot = pivot.to_f64().abs();
+            pivot.is_nan() || pivot <= NEGLIGIBLE * size.to_f64().abs()
+        };
+        a.copy_from_slice(&found);
+        match tests.iter().position(fails) {
+            Some(coordinate) => Err(SingularMass { coordinate }),
+            None => Ok(()),
+        }
+    }
+
     /// Fills the outputs, in the order of [`System::outputs`](crate::mechanism::System::outputs).
     pub(crate) fn extended_outputs(&self, at: ExtendedAt<'_>, values: &mut [DoubleDouble]) {
         self.extended(Function::Outputs, at, values);
     }
 
     fn extended(&self, function: Function, at: ExtendedAt<'_>, values: &mut [DoubleDouble]) {
+        let u = self.extended_inputs(at);
+        self.interpreter.evaluate_in(function, |symbol| self.known(symbol, at, &u), values);
+    }
+
+    fn extended_inputs(&self, at: ExtendedAt<'_>) -> Vec<DoubleDouble> {
         let mut u = vec![DoubleDouble::ZERO; 3 * self.signals.len()];
+        if !u.is_empty() {
+            self.interpreter.evaluate_in(Function::Inputs, |symbol| self.known(symbol, at, &[]), &mut u);
+        }
+        u
+    }
+
+    fn known(&self, symbol: Symbol, at: ExtendedAt<'_>, u: &[DoubleDouble]) -> DoubleDouble {
         let get = |list: &[DoubleDouble], i: u32| list.get(i as usize).copied().unwrap_or_default();
-        let known = |symbol: Symbol, u: &[DoubleDouble]| match symbol {
+        match symbol {
             Symbol::Time => at.t,
             Symbol::Coordinate(i) => get(at.q, i),
             Symbol::Speed(i) => get(at.v, i),
             Symbol::Acceleration(i) => get(at.a, i),
             Symbol::Input(k, order) => get(u, 3 * k + u32::from(order)),
             _ => self.interpreter.value(symbol, interpret::At::default()).into(),
-        };
-        if !u.is_empty() {
-            self.interpreter.evaluate_in(Function::Inputs, |symbol| known(symbol, &[]), &mut u);
         }
-        self.interpreter.evaluate_in(function, |symbol| known(symbol, &u), values);
     }
 }
 

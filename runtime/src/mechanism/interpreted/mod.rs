@@ -1,5 +1,6 @@
 //! A model file that nobody compiled, as a [`System`].
 
+mod columns;
 mod describe;
 mod extended;
 mod series;
@@ -7,6 +8,7 @@ mod slopes;
 
 use std::sync::{Arc, OnceLock};
 
+use dalembert_symbolic::expr::Symbol;
 use dalembert_symbolic::interpret::{self, Function, Interpreter};
 use dalembert_symbolic::lower::Program;
 
@@ -16,7 +18,7 @@ use series::OwnSeries;
 
 use super::balances::{belongs, put_reactions};
 use super::phased::{Phased, RowHistory, indicate, sprung};
-use super::system::Replaced;
+use super::system::{Replaced, put_diagonal};
 use super::{
     Along, At, Balances, Contacts, Description, Energy, Enforcement, Gimbal, Motion, MotionNumbers, Noise, Sampling,
     Scene, Series, Signal, Singular, SingularMass, System, sliding,
@@ -100,6 +102,16 @@ impl Interpreted {
         balances.evaluate(self, at);
         let mut unknowns = vec![0.0; balances.size()];
         Some(balances.solve(&mut unknowns).map(|()| unknowns))
+    }
+
+    /// Whether M, h and the Jacobians of F are not written down; their patterns are full then, and they come from slopes of F.
+    pub(crate) fn is_unformed(&self) -> bool {
+        self.interpreter.program().unformed
+    }
+
+    fn columns(&self, at: At<'_>, symbols: fn(u32) -> Symbol, put: impl FnMut(usize, &mut dyn Iterator<Item = f64>)) {
+        let u = self.input_values(at.t);
+        columns::columns(&self.interpreter, with_inputs(at, &u), symbols, put);
     }
 
     fn input_values(&self, t: f64) -> Vec<f64> {
@@ -299,11 +311,31 @@ impl System for Interpreted {
     }
 
     fn mass_matrix(&self, at: At<'_>, values: &mut [f64]) {
-        self.evaluate(Function::Mass, at, values);
+        if !self.is_unformed() {
+            return self.evaluate(Function::Mass, at, values);
+        }
+        // The lower triangle, row by row.
+        self.columns(at, Symbol::Acceleration, |column, rows| {
+            rows.enumerate().skip(column).for_each(|(row, m)| values[row * (row + 1) / 2 + column] = m);
+        });
+    }
+
+    fn inertias(&self, at: At<'_>, room: &mut Vec<f64>, diagonal: &mut [f64]) {
+        if !self.is_unformed() {
+            let pattern = &self.description.mass_pattern;
+            room.resize(pattern.len(), 0.0);
+            self.mass_matrix(at, room);
+            return put_diagonal(pattern, room, diagonal);
+        }
+        let u = self.input_values(at.t);
+        self.interpreter.pivots(with_inputs(at, &u), |coordinate, _, size| diagonal[coordinate] = size);
     }
 
     fn bias(&self, at: At<'_>, h: &mut [f64]) {
-        self.evaluate(Function::Bias, at, h);
+        if !self.is_unformed() {
+            return self.evaluate(Function::Bias, at, h);
+        }
+        self.evaluate(Function::Residual, at.accelerated(&vec![0.0; h.len()]), h);
     }
 
     fn residual(&self, at: At<'_>, f: &mut [f64]) {
@@ -314,8 +346,16 @@ impl System for Interpreted {
     }
 
     fn jacobians(&self, at: At<'_>, dq: &mut [f64], dv: &mut [f64]) {
-        self.evaluate(Function::Stiffness, at, dq);
-        self.evaluate(Function::Damping, at, dv);
+        if !self.is_unformed() {
+            self.evaluate(Function::Stiffness, at, dq);
+            return self.evaluate(Function::Damping, at, dv);
+        }
+        let n = self.description.coordinates.len();
+        for (symbols, slopes) in [(Symbol::Coordinate as fn(u32) -> Symbol, dq), (Symbol::Speed, dv)] {
+            self.columns(at, symbols, |column, rows| {
+                rows.enumerate().for_each(|(row, slope)| slopes[row * n + column] = slope);
+            });
+        }
     }
 
     fn input_jacobian(&self, at: At<'_>, du: &mut [f64]) {

@@ -14,8 +14,9 @@ pub(super) struct OwnSeries {
 }
 
 impl OwnSeries {
-    /// `None` where a function has no series.
+    /// `None` where a function has no series, and where M is too large to be formed.
     pub fn of(program: &lower::Program) -> Option<OwnSeries> {
+        let program = &*program.formed()?;
         let found = lower::Series::of(program)?;
         let constants = Tape::new(&program.model.graph, &found.constants);
         let place = |place: lower::Place| match place {

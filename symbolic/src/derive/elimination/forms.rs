@@ -2,15 +2,15 @@
 
 use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
 
-use crate::derive::LeastConstraint;
+use super::super::LeastConstraint;
 use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary, canonical_products, copied};
 
 /// Σ cⱼ xⱼ: variables with their coefficients, in order.  Variables below n are coordinates, the others kept ones.
-pub(super) type Form = Vec<(usize, Id)>;
+pub(crate) type Form = Vec<(usize, Id)>;
 
 /// A form Σ wₖₗ yₖ yₗ / 2 + Σ gₖ yₖ + Σ hᵢ xᵢ with the y as linear forms.
-#[derive(Clone)]
-pub(super) struct Forms {
+#[derive(Clone, Debug)]
+pub(crate) struct Forms {
     /// How many coordinates there are.
     pub n: usize,
     /// What each kept variable is.
@@ -95,6 +95,73 @@ impl Forms {
     /// How many variables there are.
     pub fn variables(&self) -> usize {
         self.n + self.kept.len()
+    }
+
+    /// Whether nothing that M is made of changes along a run.
+    pub fn are_constant(&self, graph: &Graph) -> bool {
+        let varies = graph.contains(|s| !matches!(s, Symbol::Parameter(_)));
+        let constant = |form: &Form| form.iter().all(|(_, c)| !varies[c.index()]);
+        self.kept.iter().all(constant)
+            && self.products.iter().all(|(w, u, v)| !varies[w.index()] && constant(u) && constant(v))
+    }
+
+    /// The fewest operations that factoring M can take: a coordinate that is coupled with d others when it is eliminated takes
+    /// 1 + d + d (d + 1), and the d of all n add up to as many as M has entries below its diagonal, E, at the least: n + 2 E + E²/n.
+    pub fn least_factoring(&self) -> usize {
+        let coupled: u32 = self.couplings().iter().flatten().map(|word| word.count_ones()).sum();
+        let entries = coupled as usize / 2;
+        self.n + 2 * entries + entries * entries / self.n.max(1)
+    }
+
+    /// For each coordinate the set of others that M couples it with, as bits.
+    pub fn couplings(&self) -> Vec<Vec<u64>> {
+        let words = self.n.div_ceil(64);
+        let add = |set: &mut [u64], more: &[u64]| set.iter_mut().zip(more).for_each(|(set, more)| *set |= more);
+        let has = |set: &[u64], i: usize| set[i / 64] >> (i % 64) & 1 == 1;
+        // The coordinates that each variable is made of.
+        let mut made_of = vec![vec![0_u64; words]; self.variables()];
+        (0..self.n).for_each(|i| made_of[i][i / 64] |= 1 << (i % 64));
+        let union = |form: &Form, made_of: &[Vec<u64>]| {
+            let mut set = vec![0_u64; words];
+            form.iter().for_each(|(variable, _)| add(&mut set, &made_of[*variable]));
+            set
+        };
+        for (place, form) in self.kept.iter().enumerate() {
+            made_of[self.n + place] = union(form, &made_of);
+        }
+        let mut coupled = vec![vec![0_u64; words]; self.n];
+        for (_, u, v) in &self.products {
+            let [u, v] = [u, v].map(|form| union(form, &made_of));
+            for (i, row) in coupled.iter_mut().enumerate() {
+                if has(&u, i) {
+                    add(row, &v);
+                }
+                if has(&v, i) {
+                    add(row, &u);
+                }
+            }
+        }
+        coupled.iter_mut().enumerate().for_each(|(i, row)| row[i / 64] &= !(1 << (i % 64)));
+        coupled
+    }
+
+    /// Sizes of the sets of coordinates that M couples, in the order of their first ones.
+    pub fn blocks(&self) -> Vec<usize> {
+        let mut found = vec![false; self.n];
+        let coupled = self.couplings();
+        let mut sizes = Vec::new();
+        for first in 0..self.n {
+            let mut open = vec![first];
+            let mut size = 0;
+            while let Some(i) = open.pop() {
+                if !std::mem::replace(&mut found[i], true) {
+                    size += 1;
+                    open.extend((0..self.n).filter(|j| coupled[i][j / 64] >> (j % 64) & 1 == 1));
+                }
+            }
+            sizes.extend((size > 0).then_some(size));
+        }
+        sizes
     }
 }
 

@@ -7,7 +7,7 @@ use super::forms::Forms;
 
 /// A rule for the next variable, among those that no kept variable is made of any more.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Rule {
+pub(crate) enum Rule {
     /// The one that couples the fewest others anew.
     Fill,
     /// The outermost coordinate, and before it no more than the kept variables that are made of it.
@@ -17,7 +17,7 @@ pub(super) enum Rule {
 }
 
 /// Every rule; none is best for all mechanisms.
-pub(super) const RULES: [Rule; 3] = [Rule::Fill, Rule::Outermost, Rule::Bodies];
+pub(crate) const RULES: [Rule; 3] = [Rule::Fill, Rule::Outermost, Rule::Bodies];
 
 /// A variable that is coupled with so many others takes some 300 operations, and a loop over M is shorter code than that for all of
 /// them.  Bars on universal joints in ground axes have 11.
@@ -25,7 +25,7 @@ const LONGEST_FRONT: usize = 16;
 
 /// An order with the couplings that it makes.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Order {
+pub(crate) struct Order {
     /// All variables.
     pub variables: Vec<usize>,
     /// The largest front: how many others a variable is coupled with when it is eliminated.
@@ -33,7 +33,7 @@ pub(super) struct Order {
 }
 
 /// Which variables stand in one product.
-pub(super) struct Interaction {
+pub(crate) struct Interaction {
     coupled: Vec<BTreeSet<usize>>,
     /// Kept variables that each is made of.
     made_of: Vec<Vec<usize>>,

@@ -11,7 +11,7 @@ use crate::expr::{Graph, Id};
 
 /// How products are written, which changes how long their chains are.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Writing {
+pub(crate) struct Writing {
     /// (Aⱼᵥ Aᵥₖ)/Aᵥᵥ in the place of (Aⱼᵥ/Aᵥᵥ) Aᵥₖ: the division may come later.
     pub late_division: bool,
     /// cⱼ² a + 2 cⱼ b in the place of cⱼ (cⱼ a + 2 b).
@@ -19,7 +19,7 @@ pub(super) struct Writing {
 }
 
 /// Every way.
-pub(super) const WRITINGS: [Writing; 4] = [
+pub(crate) const WRITINGS: [Writing; 4] = [
     Writing { late_division: false, early_squares: false },
     Writing { late_division: false, early_squares: true },
     Writing { late_division: true, early_squares: false },
@@ -28,7 +28,7 @@ pub(super) const WRITINGS: [Writing; 4] = [
 
 /// Accelerations with what tests them.
 #[derive(Clone, Debug)]
-pub(super) struct Solution {
+pub(crate) struct Solution {
     /// q''.
     pub values: Vec<Id>,
     /// Coordinate, pivot, and the part of M's diagonal that it must not be negligible against.
@@ -50,7 +50,7 @@ impl Solution {
 }
 
 /// Accelerations, and what is computed to test the pivots.
-pub(super) fn roots(values: &[Id], pivots: &[(usize, Id, Id)]) -> Vec<Id> {
+pub(crate) fn roots(values: &[Id], pivots: &[(usize, Id, Id)]) -> Vec<Id> {
     values.iter().copied().chain(pivots.iter().flat_map(|(_, pivot, size)| [*pivot, *size])).collect()
 }
 
@@ -74,7 +74,7 @@ enum Followed {
 }
 
 /// In this order.
-pub(super) fn solve(graph: &mut Graph, forms: &Forms, order: &[usize], writing: Writing) -> Option<Solution> {
+pub(crate) fn solve(graph: &mut Graph, forms: &Forms, order: &[usize], writing: Writing) -> Option<Solution> {
     let mut quadratic = Quadratic::of(graph, forms);
     let mut followed = Vec::with_capacity(order.len());
     let mut pivots = Vec::new();

@@ -1,30 +1,18 @@
-//! Accelerations by elimination over shared velocities, in O(n) operations for chains and trees.
+//! Which elimination over shared velocities takes least time, and whether it takes the place of M and LDLᵀ.
 //!
-//! 1. What accelerations make least: look in `derive/least_constraint.rs`.
-//! 2. Velocities as linear forms; a velocity that several others are made of is kept as a variable: look in `forms`.
-//! 3. The order in which variables are eliminated: look in `order`.
-//! 4. Kept variables are put in, coordinates minimise: look in `solve`; sums stay lists of terms until they are read: `sums`.
-//! 5. The candidate that takes least time, M and LDLᵀ among them: `depth`.
-//!
-//! It finds the articulated-body recursion (Featherstone, The International Journal of Robotics Research 2 (1983) 13) without being told of joints:
-//! the position of a link's end is shared by all links beyond, so its velocity is kept, and couples no more than its neighbours.  Every pivot is
-//! one of LDLᵀ of M in the order of the coordinates that are eliminated, hence positive where M is positive definite.
+//! The elimination itself: look in `derive/elimination`; the model of costs: look in `time`.
 
-mod depth;
-mod forms;
-mod order;
-mod solve;
-mod sums;
+mod time;
 
 use super::Entry;
 use super::count::varying;
-use super::factor::{Accelerations, factoring_operations};
+use super::factor::Accelerations;
 use super::operations;
+use crate::derive::elimination::{
+    Eliminated, FEW, Forms, Interaction, Order, RULES, Rule, Solution, WRITINGS, Writing, roots, solve,
+};
 use crate::derive::{Dynamics, LeastConstraint};
 use crate::expr::{Graph, Id, Symbol, canonical_products, copied};
-use forms::Forms;
-use order::{Interaction, Order, RULES, Rule};
-use solve::{Solution, WRITINGS, Writing, solve};
 
 /// How accelerations are computed, in words, and the numbers behind it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -35,10 +23,19 @@ pub struct Elimination {
     pub kept: usize,
     /// The largest front.
     pub front: usize,
-    /// Nanoseconds that it takes by the model of costs, and that M and LDLᵀ take.
-    pub times: [f64; 2],
-    /// Operations that it takes, and that M and LDLᵀ take.
-    pub operations: [usize; 2],
+    /// What it takes.
+    pub cost: Cost,
+    /// What M and LDLᵀ take, where M is formed.
+    pub by_masses: Option<Cost>,
+}
+
+/// What accelerations take.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cost {
+    /// Nanoseconds by the model of costs.
+    pub time: f64,
+    /// Operations.
+    pub operations: usize,
 }
 
 /// Of eliminations whose times differ by less than the model of costs can tell (its choices took up to 12 % longer than the best), the one with
@@ -58,27 +55,25 @@ pub(super) struct Found {
 impl Found {
     /// From what the equations were derived from; `mass` is any form of M.
     pub fn of(graph: &Graph, dynamics: &Dynamics, mass: &[Entry]) -> Option<Found> {
-        let n = dynamics.n;
         let varies = varying(graph);
         if mass.iter().all(|entry| !varies[entry.2.index()]) {
             return None;
         }
         let mut trial = graph.clone();
         let least = LeastConstraint::of(&mut trial, dynamics);
-        let forms = Forms::of(&mut trial, n, &least)?;
+        let forms = Forms::of(&mut trial, dynamics.n, &least)?;
         if forms.kept.is_empty() {
             return None;
         }
-        let kept = forms.kept.len();
-        let bases = [false, true].map(|in_order| forms.clone().moved(&trial, in_order));
-        let best = best(&bases)?;
-        Some(Found { best, kept, n })
+        let bases = in_both_orders(&forms, &trial);
+        Some(Found { best: best(&bases)?, kept: forms.kept.len(), n: forms.n })
     }
 
-    /// Whether factoring M alone, with as many entries as it has, takes more operations than everything here: then M and h need not be
-    /// brought to their best forms.  Where there are few coordinates it is not asked.
-    pub fn is_certain(&self, mass: &[Entry]) -> bool {
-        self.n > FEW && self.best.operations < factoring_operations(self.n, mass)
+    /// Where M is not formed.
+    pub fn without_masses(eliminated: &Eliminated) -> Option<Found> {
+        let (graph, forms) = &eliminated.least;
+        let bases = in_both_orders(forms, graph);
+        Some(Found { best: best_of_long(&bases)?, kept: forms.kept.len(), n: forms.n })
     }
 
     /// Takes the place of accelerations by M and LDLᵀ where it has fewer operations and takes hardly more time.
@@ -88,33 +83,48 @@ impl Found {
         (mass, bias): (&[Entry], &[Id]),
         accelerations: &mut Accelerations,
     ) -> Elimination {
-        let by_masses = match accelerations {
-            Accelerations::Unrolled { values, pivots } => depth::time(graph, &solve::roots(values, pivots)),
-            Accelerations::Loop => {
-                let roots: Vec<Id> = mass.iter().map(|e| e.2).chain(bias.iter().copied()).collect();
-                depth::time_of_loop(graph, self.n, &roots)
-            }
-        };
-        let counted = accelerations.operations(graph, self.n, mass, bias);
-        let Candidate { rule, front, graph: own, solution, time, operations } = self.best;
-        let chosen = operations < counted && time <= SLOWER * by_masses;
-        if chosen {
-            let roots = copied(&own, &solution.roots(), graph);
-            let Solution { values, pivots } = solution.with(&roots);
-            *accelerations = Accelerations::Unrolled { values, pivots };
+        let by_masses = cost_by_masses(graph, (self.n, mass, bias), accelerations);
+        let Cost { time, operations } = self.best.cost;
+        if operations < by_masses.operations && time <= SLOWER * by_masses.time {
+            let (own, taken) = self.take(graph);
+            *accelerations = own;
+            Elimination { by_masses: Some(by_masses), ..taken }
+        } else {
+            let Candidate { front, cost, .. } = self.best;
+            Elimination { order: None, kept: self.kept, front, cost, by_masses: Some(by_masses) }
         }
-        Elimination {
-            order: chosen.then(|| rule.words()),
-            kept: self.kept,
-            front,
-            times: [time, by_masses],
-            operations: [operations, counted],
-        }
+    }
+
+    /// The accelerations, in this graph.
+    pub fn take(self, graph: &mut Graph) -> (Accelerations, Elimination) {
+        let Candidate { rule, front, graph: own, solution, cost } = self.best;
+        let roots = copied(&own, &solution.roots(), graph);
+        let Solution { values, pivots } = solution.with(&roots);
+        let taken = Elimination { order: Some(rule.words()), kept: self.kept, front, cost, by_masses: None };
+        (Accelerations::Unrolled { values, pivots }, taken)
     }
 }
 
-/// With no more coordinates than this M and LDLᵀ in their best forms are compared.
-const FEW: usize = 16;
+/// With factors of products as they come, and those without speeds first.
+fn in_both_orders(forms: &Forms, graph: &Graph) -> [(Graph, Forms); 2] {
+    [false, true].map(|in_order| forms.clone().moved(graph, in_order))
+}
+
+/// What accelerations by M and h take, M and h included.
+pub(super) fn cost_by_masses(
+    graph: &Graph,
+    (n, mass, bias): (usize, &[Entry], &[Id]),
+    accelerations: &Accelerations,
+) -> Cost {
+    let time = match accelerations {
+        Accelerations::Unrolled { values, pivots } => time::time(graph, &roots(values, pivots)),
+        Accelerations::Loop => {
+            let roots: Vec<Id> = mass.iter().map(|e| e.2).chain(bias.iter().copied()).collect();
+            time::time_of_loop(graph, n, &roots)
+        }
+    };
+    Cost { time, operations: accelerations.operations(graph, n, mass, bias) }
+}
 
 /// One way to eliminate, in a graph of its own.
 struct Candidate {
@@ -122,48 +132,84 @@ struct Candidate {
     front: usize,
     graph: Graph,
     solution: Solution,
-    time: f64,
-    operations: usize,
+    cost: Cost,
 }
 
 /// Every order with products written in every way; where there are many coordinates the other ways for the fastest order alone.
 fn best(bases: &[(Graph, Forms); 2]) -> Option<Candidate> {
     let n = bases[0].1.n;
-    let interaction = Interaction::of(&bases[0].1);
-    let mut orders: Vec<(Rule, Order)> = Vec::new();
-    for rule in RULES {
-        let order = interaction.order(rule);
-        orders.extend(order.filter(|order| orders.iter().all(|known| known.1 != *order)).map(|order| (rule, order)));
-    }
+    let orders = orders(&bases[0].1);
     let [first, others @ ..] = WRITINGS;
     let tried = |(rule, order): &(Rule, Order), writing| {
         let of = |base| candidates(base, (*rule, order), writing);
         bases.iter().flat_map(of).collect::<Vec<Candidate>>()
     };
     let plain: Vec<Vec<Candidate>> = orders.iter().map(|order| tried(order, first)).collect();
-    let fastest = |list: &[Candidate]| list.iter().map(|candidate| candidate.time).fold(f64::INFINITY, f64::min);
     let first = (0..plain.len()).min_by(|a, b| fastest(&plain[*a]).total_cmp(&fastest(&plain[*b])))?;
     let further = (0..plain.len()).filter(|order| n <= FEW || *order == first);
     let written = further.flat_map(|order| others.iter().map(move |writing| (order, *writing)));
     let written: Vec<Candidate> = written.flat_map(|(order, writing)| tried(&orders[order], writing)).collect();
-    let all: Vec<Candidate> = plain.into_iter().flatten().chain(written).collect();
+    leanest(plain.into_iter().flatten().chain(written).collect())
+}
+
+/// Every order with factors as they come and those without speeds first, and the best of them with factors in one order too: other ways to write
+/// products take more operations, for no more time than the model of costs can tell.
+fn best_of_long(bases: &[(Graph, Forms); 2]) -> Option<Candidate> {
+    let orders = orders(&bases[0].1);
+    let tried = |(rule, order): &(Rule, Order)| {
+        let of = |base| Candidate::of(base, (*rule, order), WRITINGS[0]);
+        bases.iter().filter_map(of).collect::<Vec<Candidate>>()
+    };
+    let best = leanest(orders.iter().flat_map(tried).collect())?;
+    let (_, order) = orders.iter().find(|(rule, _)| *rule == best.rule)?;
+    let factored = bases.iter().flat_map(|base| candidates(base, (best.rule, order), WRITINGS[0]));
+    leanest(factored.collect())
+}
+
+/// The orders that the rules give, each once.
+fn orders(forms: &Forms) -> Vec<(Rule, Order)> {
+    let interaction = Interaction::of(forms);
+    let mut orders: Vec<(Rule, Order)> = Vec::new();
+    for rule in RULES {
+        let order = interaction.order(rule);
+        orders.extend(order.filter(|order| orders.iter().all(|known| known.1 != *order)).map(|order| (rule, order)));
+    }
+    orders
+}
+
+fn fastest(list: &[Candidate]) -> f64 {
+    list.iter().map(|candidate| candidate.cost.time).fold(f64::INFINITY, f64::min)
+}
+
+/// Of those that are about as fast as the fastest the one with the fewest operations.
+fn leanest(all: Vec<Candidate>) -> Option<Candidate> {
     let least = fastest(&all);
-    all.into_iter().filter(|candidate| candidate.time <= ALIKE * least).min_by_key(|candidate| candidate.operations)
+    let alike = all.into_iter().filter(|candidate| candidate.cost.time <= ALIKE * least);
+    alike.min_by_key(|candidate| candidate.cost.operations)
 }
 
 /// With factors of products as they come, and in one order.
-fn candidates((base, forms): &(Graph, Forms), (rule, order): (Rule, &Order), writing: Writing) -> Vec<Candidate> {
-    let mut graph = base.clone();
-    let Some(solution) = solve(&mut graph, forms, &order.variables, writing) else { return Vec::new() };
-    let mut factored = graph.clone();
-    let in_order = with_factors_in_order(&mut factored, &solution);
-    let candidate = |(graph, solution): (Graph, Solution)| {
+fn candidates(base: &(Graph, Forms), (rule, order): (Rule, &Order), writing: Writing) -> Vec<Candidate> {
+    let Some(plain) = Candidate::of(base, (rule, order), writing) else { return Vec::new() };
+    let mut graph = plain.graph.clone();
+    let in_order = with_factors_in_order(&mut graph, &plain.solution);
+    let factored = Candidate::with_cost((rule, order), graph, in_order);
+    [Some(plain), factored].into_iter().flatten().collect()
+}
+
+impl Candidate {
+    fn of((base, forms): &(Graph, Forms), (rule, order): (Rule, &Order), writing: Writing) -> Option<Candidate> {
+        let mut graph = base.clone();
+        let solution = solve(&mut graph, forms, &order.variables, writing)?;
+        Candidate::with_cost((rule, order), graph, solution)
+    }
+
+    fn with_cost((rule, order): (Rule, &Order), graph: Graph, solution: Solution) -> Option<Candidate> {
         let roots = solution.roots();
-        let (time, operations) = (depth::time(&graph, &roots), operations(&graph, &roots));
+        let cost = Cost { time: time::time(&graph, &roots), operations: operations(&graph, &roots) };
         let fits = !graph.overflowed();
-        fits.then_some(Candidate { rule, front: order.front, graph, solution, time, operations })
-    };
-    [(graph, solution), (factored, in_order)].into_iter().filter_map(candidate).collect()
+        fits.then_some(Candidate { rule, front: order.front, graph, solution, cost })
+    }
 }
 
 /// With factors of products in one order, which makes chains shorter where it makes more operations.
@@ -185,9 +231,10 @@ impl Rule {
 impl Elimination {
     /// What was chosen, and why.
     pub fn words(&self) -> String {
-        let Elimination { order, kept, front, times, operations } = self;
-        let [eliminating, by_masses] =
-            [0, 1].map(|k: usize| format!("about {:.0} ns, {} operations", times[k], operations[k]));
+        let Elimination { order, kept, front, cost, by_masses } = self;
+        let words = |cost: &Cost| format!("about {:.0} ns, {} operations", cost.time, cost.operations);
+        let eliminating = words(cost);
+        let by_masses = by_masses.as_ref().map_or_else(|| "are not formed".to_owned(), words);
         let velocities = format!("{kept} shared {}", if *kept == 1 { "velocity" } else { "velocities" });
         match order {
             Some(order) => format!(

@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 
 use super::reactions::Unknown;
+use super::running_sums::Asked;
 use crate::diagnose::catalogue::{mechanics, sections};
 use crate::expr::{Id, Symbol, partial, vectors};
 use crate::file::{Node, Spot, Text};
@@ -20,9 +21,16 @@ use crate::model::rotation::Rotation;
 const KINDS: [&str; 5] = ["moment", "force", "power", "energy", "equation"];
 
 /// One system's bodies, loads and reactions at hand.
-struct Sums<'s> {
+pub struct Sums<'s> {
     unknowns: &'s [Unknown],
     phases: &'s [usize],
+}
+
+impl Sums<'_> {
+    /// Whether it names no reaction.
+    pub fn has_no_unknowns(&self) -> bool {
+        self.unknowns.is_empty()
+    }
 }
 
 impl<'a> Resolver<'a> {
@@ -170,8 +178,10 @@ impl<'a> Resolver<'a> {
 
     /// The same for these bodies.
     fn moment_of(&mut self, set: &[usize], about: &[Id], sums: &Sums<'_>) -> Vec<Part> {
-        let mut parts = Vec::new();
-        for &b in set {
+        let sum = self.running_sum(set, &Asked::MomentAbout(about), sums);
+        let summed = sum.is_some();
+        let mut parts: Vec<Part> = sum.into_iter().collect();
+        for &b in set.iter().filter(|_| !summed) {
             let body = self.model.bodies[b].clone();
             let arm = vectors::difference(&mut self.builder.graph, about, &body.position);
             let momentum = self.mass_times_acceleration(b);
@@ -187,7 +197,7 @@ impl<'a> Resolver<'a> {
                 parts.push(self.part(format!("the weight of {}", body.name), turning, true));
             }
         }
-        for (name, pushes) in self.all_pushes(sums) {
+        for (name, pushes) in self.all_pushes(sums, summed) {
             let mut total = vec![Id::ZERO; vectors::moment_size(self.scope.dimension)];
             let mut touches = false;
             for push in pushes.iter().filter(|p| p.body.is_some_and(|b| set.contains(&b))) {
@@ -219,8 +229,10 @@ impl<'a> Resolver<'a> {
 
     /// The same for these bodies.
     fn momentum_of(&mut self, set: &[usize], sums: &Sums<'_>) -> Vec<Part> {
-        let mut parts = Vec::new();
-        for &b in set {
+        let sum = self.running_sum(set, &Asked::Force, sums);
+        let summed = sum.is_some();
+        let mut parts: Vec<Part> = sum.into_iter().collect();
+        for &b in set.iter().filter(|_| !summed) {
             let body = self.model.bodies[b].clone();
             let momentum = self.mass_times_acceleration(b);
             parts.push(self.part(format!("m a of {}", body.name), momentum, false));
@@ -229,7 +241,7 @@ impl<'a> Resolver<'a> {
                 parts.push(self.part(format!("the weight of {}", body.name), weight, true));
             }
         }
-        for (name, pushes) in self.all_pushes(sums) {
+        for (name, pushes) in self.all_pushes(sums, summed) {
             let mut total = vec![Id::ZERO; self.scope.dimension];
             let mut touches = false;
             for push in pushes.iter().filter(|p| p.body.is_some_and(|b| set.contains(&b))) {
@@ -290,7 +302,7 @@ impl<'a> Resolver<'a> {
                 parts.push(self.part(format!("the weight of {}", body.name), vec![power], true));
             }
         }
-        for (name, pushes) in self.all_pushes(sums) {
+        for (name, pushes) in self.all_pushes(sums, false) {
             let on_set: Vec<Push> = pushes.into_iter().filter(|p| p.body.is_some_and(|b| set.contains(&b))).collect();
             if !on_set.is_empty() {
                 let power = self.power_of(&on_set);
@@ -373,7 +385,7 @@ impl<'a> Resolver<'a> {
     }
 
     /// d/dt of I ω, or R I Rᵀ ω, with moments of inertia that are held.
-    fn rate_of_turning(&mut self, rotation: &Rotation) -> Vec<Id> {
+    pub fn rate_of_turning(&mut self, rotation: &Rotation) -> Vec<Id> {
         let omega = rotation.angular_velocity(|angle| self.builder.rate(angle));
         let spin = rotation.angular_momentum(&mut self.builder.graph, &omega);
         let whole = self.builder.rates(&spin);
@@ -402,16 +414,17 @@ impl<'a> Resolver<'a> {
         gaining
     }
 
-    fn mass_times_acceleration(&mut self, body: usize) -> Vec<Id> {
+    pub fn mass_times_acceleration(&mut self, body: usize) -> Vec<Id> {
         let body = self.model.bodies[body].clone();
         let velocity = self.builder.rates(&body.position);
         let acceleration = self.builder.rates(&velocity);
         acceleration.iter().map(|a| self.builder.graph.mul(body.mass, *a)).collect()
     }
 
-    /// Loads and reactions by name.
-    fn all_pushes(&self, sums: &Sums<'_>) -> Vec<(String, Vec<Push>)> {
-        let loads = self.model.loads.iter().map(|load| (load.name.clone(), load.pushes.clone()));
+    /// Loads and reactions by name, but for loads that are `summed` already.
+    fn all_pushes(&self, sums: &Sums<'_>, summed: bool) -> Vec<(String, Vec<Push>)> {
+        let loads = self.model.loads.iter().filter(|load| !summed || load.is_moved());
+        let loads = loads.map(|load| (load.name.clone(), load.pushes.clone()));
         loads.chain(sums.unknowns.iter().map(|u| (u.name.clone(), u.pushes.clone()))).collect()
     }
 
@@ -452,6 +465,10 @@ impl<'a> Resolver<'a> {
         for item in items {
             if item.node == &Node::Scalar("all".to_owned()) {
                 return Some((0..self.model.bodies.len()).collect());
+            }
+            if let Some(bodies) = self.bodies_of_family(&item, locals) {
+                set.extend(bodies);
+                continue;
             }
             let texts: Vec<Text> = self.listed(&item, locals);
             for text in texts {

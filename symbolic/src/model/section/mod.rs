@@ -28,6 +28,7 @@ pub mod reactions;
 mod records;
 pub mod resolve_values;
 pub mod rotations;
+pub mod running_sums;
 pub mod scenes;
 pub mod settings;
 mod solids;
