@@ -7,7 +7,7 @@ fn main() {
     println!("# Digits that are promised, and digits that hold");
     println!();
     for line in [
-        "A run that estimates its digits runs a second time from a start moved by rounding, and bounds the error of each value by",
+        "A run that estimates its digits runs a second time, start and parameters moved by rounding, and bounds the error of each value by",
         "the difference (`runtime/src/run/digits.rs`). Where the tolerance alone chose the steps of an explicit method of order p, the second run",
         "follows them with steps longer by the p-th root of 5, and the bound is 21/8 of the difference; else it runs at ten times the",
         "tolerance, and the bound is 7/4 of the difference. A third run, less accurate by the same factor again, counts where few digits hold, many steps are",

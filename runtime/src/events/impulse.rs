@@ -88,8 +88,12 @@ pub(crate) fn impulse<S: System + ?Sized>(
     }
     let jump = moved(system, at, &push)?;
     let energy = gained(system, (t, y), &jump);
-    let terms = jump.iter().map(|jump| jump.abs()).collect();
-    Ok(Some(Impulse { t, inputs, constraints: Vec::new(), jump, terms, energy }))
+    Ok(Some(Impulse { t, inputs, constraints: Vec::new(), terms: sizes(&jump), jump, energy }))
+}
+
+/// The sizes of jumps that are not known as sums.
+fn sizes(jump: &[f64]) -> Vec<f64> {
+    jump.iter().map(|jump| jump.abs()).collect()
 }
 
 /// By how much a jump of the speeds changes the kinetic energy of a state, J.
@@ -170,6 +174,5 @@ pub(crate) fn turn<S: System + ?Sized>(
     }
     let jump = moved(system, At::packed(t, y, system.len()), &push)?;
     let energy = gained(system, (t, y), &jump);
-    let terms = jump.iter().map(|jump| jump.abs()).collect();
-    Ok(Some(Impulse { t, inputs: Vec::new(), constraints: Vec::new(), jump, terms, energy }))
+    Ok(Some(Impulse { t, inputs: Vec::new(), constraints: Vec::new(), terms: sizes(&jump), jump, energy }))
 }

@@ -8,7 +8,7 @@ use super::state::plain;
 use super::{Run, apart_by};
 use crate::mechanism::HIDDEN;
 
-/// What a second run, less accurate and from a start moved by rounding, says about the first.
+/// What a second run, less accurate, start and parameters moved by rounding, says about the first.
 ///
 /// The error of a value is bounded by 7/4 max |Δ| (by 21/8 max |Δ| where the second run follows the steps of the first), Δ being the difference of both runs, over the last tenth of the time
 /// until then; the errors of a coordinate and of its rate bound each other, since errors oscillate between them.  How promises compare with true errors
@@ -227,7 +227,9 @@ impl Digits {
             }
             // What rounding explains is 0.
             for ((bound, value), off) in bounds.iter_mut().zip(row_of(run, row)).zip(impulses.until(row)) {
-                *bound = if value.abs() <= off { bound.max(off) } else { *bound };
+                if value.abs() <= off {
+                    *bound = bound.max(off);
+                }
             }
             let lost = (0..2 * n).find(|column| bounds[*column] > LOST * ranges[*column]);
             self.lost = self.lost.or(lost.map(|column| (run.times[row], column)));

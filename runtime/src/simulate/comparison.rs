@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use super::close_calls::close_calls;
 use super::flat::widen_flat_events;
+use super::rounded_parameters::moved_parameters;
 use super::{Settings, simulate_with};
 use crate::cause::Cause;
 use crate::constrain::Projection;
@@ -53,7 +54,7 @@ const STEPS_ANYHOW: u64 = 10_000;
 /// Not more numbers than these are compared.
 const MOST_NUMBERS: usize = 20_000_000;
 
-/// Runs again less accurately, from a start moved by rounding, and compares: with steps that are longer than those of the run by a factor
+/// Runs again less accurately, start and parameters moved by rounding, and compares: with steps that are longer than those of the run by a factor
 /// wherever the tolerance alone chose them, else at ten times the tolerance, or twice the fixed step (or half of it).
 ///
 /// Errors of runs at two tolerances are in no fixed proportion; those of runs with steps h(t) and c h(t) are in that of 1 to cᵖ, p being the
@@ -265,7 +266,8 @@ fn ran(
     let set = |system: &mut dyn System, values: &mut dyn Iterator<Item = f64>| {
         values.enumerate().for_each(|(index, value)| system.set_parameter(index, value));
     };
-    set(system, &mut parameters.iter().map(|value| moved(*value)));
+    let moved = moved_parameters(system, settings);
+    set(system, &mut moved.into_iter());
     let outcome = simulate_with(system, settings, progress);
     set(system, &mut parameters.iter().copied());
     let mut other = match outcome {
@@ -285,11 +287,6 @@ fn ran(
         other.resample(&run.times);
     }
     Some(other)
-}
-
-/// The number next to one with a fraction, up or down by its last bit, so that equal ones stay equal; whole numbers have no rounding.
-fn moved(value: f64) -> f64 {
-    if value.fract() == 0.0 { value } else { f64::from_bits(value.to_bits() ^ 1) }
 }
 
 /// The same settings for a run that is only compared, from its start moved by rounding.

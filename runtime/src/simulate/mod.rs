@@ -14,6 +14,7 @@ mod close_calls;
 mod comparison;
 mod decoupled;
 mod flat;
+mod rounded_parameters;
 mod settings;
 #[cfg(test)]
 mod tests;

@@ -118,3 +118,14 @@ fn a_motion_that_is_all_but_undamped_is_no_orbit() {
     }
     assert!(orbit("c=0").is_ok());
 }
+
+/// The instant of a push is no number that rounding moves: what begins as the run ends would begin after it.
+#[test]
+fn a_push_that_begins_as_the_run_ends_leaves_all_digits() {
+    for end in ["0.3", "0.6", "0.7", "0.9"] {
+        let instant = format!("t1={end}");
+        let told = printed("simulate", "push_as_the_run_ends", &["--set", &instant, "--until", end, "--json"]);
+        let json: Value = serde_json::from_str(&told).expect("JSON");
+        assert!(json["digits"]["x"].as_f64().expect("digits") >= 9.0, "{end}: {}", json["digits"]);
+    }
+}

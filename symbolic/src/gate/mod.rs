@@ -288,6 +288,9 @@ pub fn judged(model: Model) -> Result<Judged, Vec<Problem>> {
     judge(derive(model)?)
 }
 
+/// With more coordinates than this M is not formed to name what would mend a file.
+const EXPLAINED: usize = 100;
+
 /// As [`judged`] where M is not formed; what does not hold is judged once more with M, where that has always been quick, and with the
 /// model that `in_parts` gives, in which every body is a part of its own in balances: this names what would mend it.
 ///
@@ -305,9 +308,6 @@ pub(crate) fn judged_and_explained(
         outcome => outcome,
     }
 }
-
-/// With more coordinates than this M is not formed to name what would mend a file.
-const EXPLAINED: usize = 100;
 
 /// What the file's ranges leave out, in words.
 fn left_out_by_sample(model: &Model) -> Option<String> {
