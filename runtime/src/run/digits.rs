@@ -31,6 +31,8 @@ pub struct Digits {
     pub evaluations: u64,
     /// What moves by no more than this part of itself does not move.
     still: f64,
+    /// How far the values of each column are apart.
+    ranges: Vec<f64>,
     /// What each output at the end may be off by where its terms cancel, the motion being known as it is; 0 where that is not known.
     cancelled: Vec<f64>,
 }
@@ -77,18 +79,21 @@ impl Digits {
             let around = alike[next.saturating_sub(1)..].iter().take(2);
             around.map(|t| MARGIN * (t - event.state.t).abs()).fold(f64::INFINITY, f64::min)
         });
+        let still = STILL.max(tolerance.unwrap_or(0.0));
+        let ranges = ranges(run, still);
+        let differences = differences(run, other, &ranges);
         let mut digits = Digits {
-            rows: Vec::new(),
+            rows: differences.into_iter().map(|difference| MARGIN * difference).collect(),
             end: MARGIN * (time_of(run) - time_of(other)).abs(),
             events: events.collect(),
             lost: None,
             companion,
             by_step: tolerance.is_none(),
             evaluations: other.work.evaluations,
-            still: STILL.max(tolerance.unwrap_or(0.0)),
+            still,
+            ranges,
             cancelled: Vec::new(),
         };
-        digits.rows = differences(run, other, digits.still).into_iter().map(|difference| MARGIN * difference).collect();
         digits.settle(run);
         digits
     }
@@ -98,11 +103,11 @@ impl Digits {
     /// Where errors follow the tolerance its differences are as many times larger as its tolerance is; where they are
     /// not, each of the two runs may be close to the first one by chance, and both count in proportion to what they find.
     pub(crate) fn third_run(&mut self, run: &Run, other: &Run, least: f64) {
-        let differences = differences(run, other, self.still);
+        let differences = differences(run, other, &self.ranges);
         let (columns, n) = (run.column_names().len(), run.names.coordinates.len());
-        let ranges = ranges(run, self.still);
+        let ranges = &self.ranges;
         let size =
-            |row: &[f64]| row.iter().zip(&ranges).take(2 * n).fold(0.0_f64, |most, (y, range)| most.max(y / range));
+            |row: &[f64]| row.iter().zip(ranges).take(2 * n).fold(0.0_f64, |most, (y, range)| most.max(y / range));
         for (bounds, differences) in self.rows.chunks_exact_mut(columns).zip(differences.chunks_exact(columns)) {
             let part = (size(bounds) / (MARGIN * size(differences))).clamp(least, 1.0);
             for (bound, difference) in bounds.iter_mut().zip(differences) {
@@ -121,7 +126,7 @@ impl Digits {
     /// Raises bounds to this part of what each column goes through: where errors follow the tolerance by chance only, none is
     /// known to be less.
     pub(crate) fn tolerance_floor(&mut self, run: &Run, least: f64) {
-        let mut ranges = ranges(run, self.still);
+        let mut ranges = self.ranges.clone();
         ranges.iter_mut().zip(&run.swept).for_each(|(range, swept)| *range = range.max(*swept));
         for (bound, range) in self.rows.iter_mut().zip(ranges.iter().cycle()) {
             *bound = bound.max(least * range);
@@ -191,7 +196,7 @@ impl Digits {
     /// so that each coordinate is off by that part of all its ways to and fro, and its rate by as much of its range.
     pub(crate) fn frequency_error(&mut self, run: &Run, relative: f64) {
         let (columns, n) = (run.column_names().len(), run.names.coordinates.len());
-        let ranges = ranges(run, self.still);
+        let ranges = &self.ranges;
         for i in (0..n).filter(|i| relative > 0.0 && ranges[*i].is_finite()) {
             let mut way = 0.0;
             for row in 1..run.len() {
@@ -208,7 +213,7 @@ impl Digits {
     /// The largest bound of a coordinate or rate, in parts of its range.
     pub(crate) fn worst(&self, run: &Run) -> f64 {
         let n = run.names.coordinates.len();
-        let ranges = ranges(run, self.still);
+        let ranges = &self.ranges;
         let of = |(at, bound): (usize, &f64)| Some(at % ranges.len()).filter(|c| *c < 2 * n).map(|c| bound / ranges[c]);
         self.rows.iter().enumerate().filter_map(of).fold(0.0, f64::max)
     }
@@ -216,12 +221,12 @@ impl Digits {
     /// No bound is below rounding; the first time at which one is as large as a range.
     fn settle(&mut self, run: &Run) {
         let (columns, n) = (run.column_names().len(), run.names.coordinates.len());
-        let ranges = ranges(run, self.still);
+        let ranges = &self.ranges;
         let mut impulses = ImpulseRounding::new(run);
         self.lost = None;
         for row in 0..run.len() {
             let bounds = &mut self.rows[columns * row..][..columns];
-            for ((bound, value), range) in bounds.iter_mut().zip(row_of(run, row)).zip(&ranges) {
+            for ((bound, value), range) in bounds.iter_mut().zip(row_of(run, row)).zip(ranges) {
                 let rounded = if value.abs() <= NOTHING * range { 1.0 } else { 2.0 * f64::EPSILON };
                 *bound = bound.max(rounded * value.abs());
             }
@@ -268,7 +273,7 @@ impl<'a> ImpulseRounding<'a> {
 
 /// Differences of two runs, column by column at all times of the first one: the largest over the last tenth of the time
 /// until then.
-fn differences(run: &Run, other: &Run, still: f64) -> Vec<f64> {
+fn differences(run: &Run, other: &Run, ranges: &[f64]) -> Vec<f64> {
     let columns = run.column_names().len();
     let shared = run.times.iter().zip(&other.times).take_while(|(a, b)| a == b).count();
     let ends_alike = ended_alike(run, other);
@@ -285,7 +290,7 @@ fn differences(run: &Run, other: &Run, still: f64) -> Vec<f64> {
         // What is absent in both has no error.
         differences.extend(own.iter().zip(&theirs).map(|(own, theirs)| apart_by(*own, *theirs)));
     }
-    couple_rates(&mut differences, &run.times, &ranges(run, still), run.names.coordinates.len());
+    couple_rates(&mut differences, &run.times, ranges, run.names.coordinates.len());
     let mut largest = vec![0.0; differences.len()];
     for column in 0..columns {
         let sliding = sliding_maximum(&run.times, |row| differences[columns * row + column]);
@@ -333,7 +338,7 @@ impl Run {
         let cancelled = output.and_then(|output| digits.cancelled.get(output)).copied().unwrap_or(0.0);
         // What does not begin to move is not lost.
         let moves = self.times.first() != self.times.last();
-        let lost = moves && error >= value.abs() && error > cancelled.max(LOST * ranges(self, digits.still)[column]);
+        let lost = moves && error >= value.abs() && error > cancelled.max(LOST * digits.ranges[column]);
         written(value, if lost { f64::INFINITY } else { error })
     }
 
