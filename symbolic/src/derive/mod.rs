@@ -111,7 +111,7 @@ pub fn derive(model: Model) -> Result<Derivation, Vec<Problem>> {
     derived(model, true)
 }
 
-/// As [`derive`], with M and h formed however large they are.
+/// As [`derive()`], with M and h formed however large they are.
 ///
 /// # Errors
 /// The model is too large.

@@ -3,7 +3,8 @@
 use super::Program;
 use crate::expr::{Forward, Graph, Id, Symbol};
 
-/// Changes along a direction, whose components are [`Symbol::Dummy`]s in the order of [`Places`].
+/// Changes along a direction, whose components are [`Symbol::Dummy`]s in this order: t, q, q', q'', λ, then u, u', u'' of each input, parameters,
+/// held values.
 #[derive(Clone, Debug)]
 pub struct Slopes {
     /// Of F, then of J q'' + γ, row by row.
