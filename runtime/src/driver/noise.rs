@@ -6,7 +6,7 @@ use super::{Integration, Step, StepPolicy};
 use crate::integrate::PERTURBATION;
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{constraint_matrix, mass_matrix};
-use crate::mechanism::{At, Enforcement, System, solve_packed_slice};
+use crate::mechanism::{At, Enforcement, System, factor_packed, substitute_back, substitute_forward};
 
 /// How often in a row an error in units of the tolerance hardly fell although steps became much shorter.
 #[derive(Clone, Copy, Debug, Default)]
@@ -123,16 +123,18 @@ pub(super) fn by_terms(system: &dyn System, at: At<'_>, until: f64) -> Option<Ve
     for ((row, input), slope) in inputs.iter().zip(&by_input) {
         sums[*row as usize] += slope.abs() * largest[*input as usize];
     }
+    let mut factors = vec![0.0; n * (n + 1) / 2];
+    for ((row, column), value) in pattern.iter().zip(&values) {
+        let (row, column) = (*row as usize, *column as usize);
+        factors[row * (row + 1) / 2 + column] = *value;
+    }
+    factor_packed(&mut factors, n).ok()?;
     let mut noise = vec![0.0_f64; n];
     for other in [1.0, -1.0] {
-        let mut packed = vec![0.0; n * (n + 1) / 2];
-        for ((row, column), value) in pattern.iter().zip(&values) {
-            let (row, column) = (*row as usize, *column as usize);
-            packed[row * (row + 1) / 2 + column] = *value;
-        }
         let mut right: Vec<f64> =
             sums.iter().enumerate().map(|(i, m)| if i % 2 == 0 { *m } else { other * m }).collect();
-        solve_packed_slice(&mut packed, &mut right).ok()?;
+        substitute_forward(&factors, &mut right);
+        substitute_back(&factors, &mut right);
         for (noise, a) in noise.iter_mut().zip(&right) {
             *noise = noise.max(f64::EPSILON * a.abs());
         }

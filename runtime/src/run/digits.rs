@@ -104,7 +104,7 @@ impl Digits {
     /// not, each of the two runs may be close to the first one by chance, and both count in proportion to what they find.
     pub(crate) fn third_run(&mut self, run: &Run, other: &Run, least: f64) {
         let differences = differences(run, other, &self.ranges);
-        let (columns, n) = (run.column_names().len(), run.names.coordinates.len());
+        let (columns, n) = (run.names.len(), run.names.coordinates.len());
         let ranges = &self.ranges;
         let size =
             |row: &[f64]| row.iter().zip(ranges).take(2 * n).fold(0.0_f64, |most, (y, range)| most.max(y / range));
@@ -143,7 +143,7 @@ impl Digits {
     /// The end may be, at which coordinates and speeds change at these rates.
     pub(crate) fn widen_end(&mut self, run: &Run, width: f64, rates: &[f64]) {
         self.end = self.end.max(width);
-        let first = self.rows.len() - run.column_names().len();
+        let first = self.rows.len() - run.names.len();
         self.rows[first..].iter_mut().zip(rates).for_each(|(bound, rate)| *bound = bound.max(width * rate.abs()));
     }
 
@@ -195,7 +195,7 @@ impl Digits {
     /// Raises bounds to what accelerations that are off by this part of themselves, always alike, make of a motion: it is faster or slower,
     /// so that each coordinate is off by that part of all its ways to and fro, and its rate by as much of its range.
     pub(crate) fn frequency_error(&mut self, run: &Run, relative: f64) {
-        let (columns, n) = (run.column_names().len(), run.names.coordinates.len());
+        let (columns, n) = (run.names.len(), run.names.coordinates.len());
         let ranges = &self.ranges;
         for i in (0..n).filter(|i| relative > 0.0 && ranges[*i].is_finite()) {
             let mut way = 0.0;
@@ -220,7 +220,7 @@ impl Digits {
 
     /// No bound is below rounding; the first time at which one is as large as a range.
     fn settle(&mut self, run: &Run) {
-        let (columns, n) = (run.column_names().len(), run.names.coordinates.len());
+        let (columns, n) = (run.names.len(), run.names.coordinates.len());
         let ranges = &self.ranges;
         let mut impulses = ImpulseRounding::new(run);
         self.lost = None;
@@ -274,7 +274,7 @@ impl<'a> ImpulseRounding<'a> {
 /// Differences of two runs, column by column at all times of the first one: the largest over the last tenth of the time
 /// until then.
 fn differences(run: &Run, other: &Run, ranges: &[f64]) -> Vec<f64> {
-    let columns = run.column_names().len();
+    let columns = run.names.len();
     let shared = run.times.iter().zip(&other.times).take_while(|(a, b)| a == b).count();
     let ends_alike = ended_alike(run, other);
     let mut differences: Vec<f64> = Vec::with_capacity(columns * run.len());
@@ -306,18 +306,30 @@ impl Run {
     /// to estimate it ([`Settings::digits`](crate::Settings::digits)), or if nothing has this name.
     pub fn errors(&self, name: &str) -> Option<Vec<f64>> {
         let digits = self.digits.as_ref()?;
-        let names = self.column_names();
-        let column = names.iter().position(|known| known == name)?;
-        Some(digits.rows.iter().skip(column).step_by(names.len()).copied().collect())
+        let column = self.names.place(name)?;
+        Some(digits.rows.iter().skip(column).step_by(self.names.len()).copied().collect())
     }
 
     /// How many significant decimal digits of a value at the end can be promised, 0 to 15.
     ///
     /// `None` as in [`Run::errors`].
     pub fn digits(&self, name: &str) -> Option<u32> {
-        let error = *self.errors(name)?.last()?;
-        let value = *self.column(name)?.last()?;
-        Some(significant(value, error))
+        let column = self.names.place(name)?;
+        let error = self.last_error(column)?;
+        let states = 2 * self.names.coordinates.len();
+        let last =
+            |values: &[f64], size: usize, place: usize| Some(*values.get(values.len().checked_sub(size)? + place)?);
+        let value = match column.checked_sub(states) {
+            None => last(&self.rows, states, column),
+            Some(output) => last(&self.outputs, self.names.outputs.len(), output),
+        };
+        Some(significant(value?, error))
+    }
+
+    /// The bound on the error of a column's last value.
+    fn last_error(&self, column: usize) -> Option<f64> {
+        let rows = &self.digits.as_ref()?.rows;
+        rows.get(rows.len().checked_sub(self.names.len())? + column).copied()
     }
 
     /// The time until which digits of all coordinates can be promised, s: the end of the run if there is none without.
@@ -331,8 +343,8 @@ impl Run {
     /// A value of the last state as text with the digits that hold, all of them where nothing is known of them; `?` where
     /// its error is no residue of rounding but of the size of all that the column goes through.
     pub(crate) fn written(&self, name: &str, value: f64) -> String {
-        let column = self.column_names().iter().position(|known| known == name);
-        let error = self.errors(name).and_then(|errors| errors.last().copied());
+        let column = self.names.place(name);
+        let error = column.and_then(|column| self.last_error(column));
         let (Some(digits), Some(column), Some(error)) = (&self.digits, column, error) else { return plain(value) };
         let output = column.checked_sub(2 * self.names.coordinates.len());
         let cancelled = output.and_then(|output| digits.cancelled.get(output)).copied().unwrap_or(0.0);

@@ -271,27 +271,15 @@ impl Run {
 
     /// One coordinate, rate (`theta'`) or output at all reported times, NaN where absent.
     pub fn column(&self, name: &str) -> Option<Vec<f64>> {
-        let n = self.names.coordinates.len();
-        let position = |names: &[String], name: &str| names.iter().position(|n| n == name);
-        let stride =
-            |values: &[f64], size: usize, index: usize| values.iter().skip(index).step_by(size).copied().collect();
         if name == "t" {
             return Some(self.times.clone());
         }
-        if let Some(coordinate) = name.strip_suffix('\'') {
-            return position(&self.names.coordinates, coordinate).map(|index| stride(&self.rows, 2 * n, n + index));
-        }
-        match position(&self.names.coordinates, name) {
-            Some(index) => Some(stride(&self.rows, 2 * n, index)),
-            None if state_position(&self.names.coordinates, name).is_some() => {
-                let index = state_position(&self.names.coordinates, name)?;
-                Some(stride(&self.rows, 2 * n, n + index))
-            }
-            None => {
-                let index = position(&self.names.outputs, name)?;
-                Some(stride(&self.outputs, self.names.outputs.len(), index))
-            }
-        }
+        let (place, states) = (self.names.place(name)?, 2 * self.names.coordinates.len());
+        let (values, size, index) = match place.checked_sub(states) {
+            None => (&self.rows, states, place),
+            Some(output) => (&self.outputs, self.names.outputs.len(), output),
+        };
+        Some(values.iter().skip(index).step_by(size).copied().collect())
     }
 
     /// Names of the columns: coordinates, their rates, outputs component by component; in the places of hidden coordinates of states of first

@@ -25,7 +25,7 @@ impl Run {
 
     /// Reports states at these times as far as the run goes, and the last one.
     pub(crate) fn resample(&mut self, times: &[f64]) {
-        let (columns, n) = (self.column_names().len(), self.names.coordinates.len());
+        let (columns, n) = (self.names.len(), self.names.coordinates.len());
         let mut rows: Vec<(f64, Vec<f64>)> = Vec::with_capacity(times.len() + 1);
         {
             let Some(mut continuous) = Continuous::new(self, &[]) else { return };

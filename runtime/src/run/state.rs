@@ -25,6 +25,21 @@ impl Names {
         let rates = self.coordinates.iter().map(|name| rate_name(name));
         self.coordinates.iter().cloned().chain(rates).chain(self.outputs.iter().cloned()).collect()
     }
+
+    /// How many columns there are.
+    pub fn len(&self) -> usize {
+        2 * self.coordinates.len() + self.outputs.len()
+    }
+
+    /// The place of a column.
+    pub fn place(&self, column: &str) -> Option<usize> {
+        let (coordinates, n) = (&self.coordinates, self.coordinates.len());
+        let position = |names: &[String], name: &str| names.iter().position(|known| known == name);
+        let rate = || column.strip_suffix('\'').and_then(|coordinate| position(coordinates, coordinate));
+        position(coordinates, column)
+            .or_else(|| Some(n + rate().or_else(|| state_position(coordinates, column))?))
+            .or_else(|| Some(2 * n + position(&self.outputs, column)?))
+    }
 }
 
 /// The place of a state of first order among the coordinates.

@@ -2,38 +2,64 @@
 
 use super::places::Places;
 use super::scalar::Scalar;
+use super::schedule::{Batch, Operation, schedule};
 use super::{Binary, Graph, Id, Measured, Node, Symbol, Unary};
 use crate::number::DoubleDouble;
 
 /// A list of instructions that evaluates some expressions of a graph: the nodes they need, once each.
 ///
-/// The same list serves every [`Scalar`].
+/// Values stand in one array: those of constants, then of symbols, then one of each operation.  Equal operations stand together as far as
+/// what they need allows, so that what to do next is looked up once for many of them.  The same list serves every [`Scalar`].
 #[derive(Clone, Debug)]
 pub struct Tape {
-    steps: Vec<Instruction>,
+    constants: Vec<DoubleDouble>,
+    symbols: Vec<Symbol>,
+    batches: Vec<Batch>,
+    /// The places of what each operation takes; twice the same where it takes one.
+    operands: Vec<[u32; 2]>,
     results: Vec<u32>,
-}
-
-#[derive(Clone, Copy, Debug)]
-enum Instruction {
-    Number(DoubleDouble),
-    Symbol(Symbol),
-    Unary(Unary, u32),
-    Binary(Binary, u32, u32),
 }
 
 impl Tape {
     /// The instructions for these roots.
     pub fn new(graph: &Graph, roots: &[Id]) -> Tape {
         let needed = Places::new(graph.needed(roots.iter().copied()));
-        let place = |id: Id| needed.of(id) as u32;
-        let step = |id: &Id| match graph.node(*id) {
-            Node::Number(n) => Instruction::Number(graph.number_at(n).to_double_double()),
-            Node::Symbol(s) => Instruction::Symbol(s),
-            Node::Unary(f, x) => Instruction::Unary(f, place(x)),
-            Node::Binary(f, x, y) => Instruction::Binary(f, place(x), place(y)),
-        };
-        Tape { steps: needed.list().iter().map(step).collect(), results: roots.iter().map(|r| place(*r)).collect() }
+        let (mut constants, mut symbols) = (Vec::new(), Vec::new());
+        for id in needed.list() {
+            match graph.node(*id) {
+                Node::Number(n) => constants.push(graph.number_at(n).to_double_double()),
+                Node::Symbol(s) => symbols.push(s),
+                Node::Unary(..) | Node::Binary(..) => {}
+            }
+        }
+        let (order, batches) = schedule(graph, &needed);
+        let mut places = vec![0; needed.list().len()];
+        let [mut constant, mut symbol] = [0, constants.len()];
+        for (place, id) in places.iter_mut().zip(needed.list()) {
+            let next = match graph.node(*id) {
+                Node::Number(_) => &mut constant,
+                Node::Symbol(_) => &mut symbol,
+                Node::Unary(..) | Node::Binary(..) => continue,
+            };
+            *place = *next as u32;
+            *next += 1;
+        }
+        for (k, node) in order.iter().enumerate() {
+            places[*node] = (constants.len() + symbols.len() + k) as u32;
+        }
+        let place = |id: Id| places[needed.of(id)];
+        let operands = order.iter().map(|node| match graph.node(needed.list()[*node]) {
+            Node::Binary(_, x, y) => [place(x), place(y)],
+            Node::Unary(_, x) => [place(x); 2],
+            Node::Number(_) | Node::Symbol(_) => [0; 2],
+        });
+        Tape {
+            operands: operands.collect(),
+            results: roots.iter().map(|root| place(*root)).collect(),
+            constants,
+            symbols,
+            batches,
+        }
     }
 
     /// How many numbers `run` writes.
@@ -41,9 +67,9 @@ impl Tape {
         self.results.len()
     }
 
-    /// How many instructions there are.
+    /// How many values there are: of constants, symbols and operations.
     pub fn operations(&self) -> usize {
-        self.steps.len()
+        self.constants.len() + self.symbols.len() + self.operands.len()
     }
 
     /// True when there is nothing to compute.
@@ -53,19 +79,38 @@ impl Tape {
 
     /// Evaluates; `scratch` is reused between calls, which then allocate nothing.
     pub fn run<S: Scalar>(&self, value: impl Fn(Symbol) -> S, scratch: &mut Vec<S>, results: &mut [S]) {
-        scratch.clear();
-        scratch.reserve(self.steps.len());
-        for step in &self.steps {
-            let x = match *step {
-                Instruction::Number(x) => S::constant(x),
-                Instruction::Symbol(s) => value(s),
-                Instruction::Unary(f, x) => S::unary(f, scratch[x as usize]),
-                Instruction::Binary(f, x, y) => S::binary(f, scratch[x as usize], scratch[y as usize]),
-            };
-            scratch.push(x);
+        self.fill(value, scratch);
+        results.iter_mut().enumerate().for_each(|(k, result)| *result = self.result(scratch, k));
+    }
+
+    /// A result, from an array that [`Tape::fill`] filled.
+    pub fn result<S: Scalar>(&self, scratch: &[S], k: usize) -> S {
+        scratch[self.results[k] as usize]
+    }
+
+    /// Evaluates into the array, of which what stands behind the values of this list stays as it is.
+    pub fn fill<S: Scalar>(&self, value: impl Fn(Symbol) -> S, scratch: &mut Vec<S>) {
+        if scratch.len() < self.operations() {
+            scratch.resize(self.operations(), S::constant(DoubleDouble::ZERO));
         }
-        for (result, place) in results.iter_mut().zip(&self.results) {
-            *result = scratch[*place as usize];
+        let (constants, rest) = scratch.split_at_mut(self.constants.len());
+        constants.iter_mut().zip(&self.constants).for_each(|(slot, x)| *slot = S::constant(*x));
+        rest.iter_mut().zip(&self.symbols).for_each(|(slot, s)| *slot = value(*s));
+        let mut place = self.constants.len() + self.symbols.len();
+        let mut operands = self.operands.as_slice();
+        for batch in &self.batches {
+            let (these, later) = operands.split_at(batch.length);
+            let mut run = Stretch { values: scratch, place, operands: these };
+            match batch.operation {
+                Operation::Binary(Binary::Add) => run.each(|x, y| S::binary(Binary::Add, x, y)),
+                Operation::Binary(Binary::Sub) => run.each(|x, y| S::binary(Binary::Sub, x, y)),
+                Operation::Binary(Binary::Mul) => run.each(|x, y| S::binary(Binary::Mul, x, y)),
+                Operation::Binary(Binary::Div) => run.each(|x, y| S::binary(Binary::Div, x, y)),
+                Operation::Binary(other) => run.each(|x, y| S::binary(other, x, y)),
+                Operation::Unary(function) => run.each(|x, _| S::unary(function, x)),
+            }
+            place += batch.length;
+            operands = later;
         }
     }
 
@@ -84,10 +129,28 @@ impl Tape {
     /// Whether, in the run that filled `scratch`, rounding may have decided a `sign` or a `step`: its argument was
     /// within `roundings` roundings of 0.  Such results are not wrong by a rounding but by 1 or 2.
     pub fn undecided(&self, scratch: &[Measured], roundings: f64) -> bool {
-        self.steps.iter().any(|step| match *step {
-            Instruction::Unary(Unary::Sign | Unary::Step, x) => scratch[x as usize].vanishes(roundings),
-            _ => false,
+        let mut operands = self.operands.as_slice();
+        self.batches.iter().any(|batch| {
+            let (these, later) = operands.split_at(batch.length);
+            operands = later;
+            matches!(batch.operation, Operation::Unary(Unary::Sign | Unary::Step))
+                && these.iter().any(|[x, _]| scratch[*x as usize].vanishes(roundings))
         })
+    }
+}
+
+/// Operations of one kind: what they take, and from which place on their values stand.
+struct Stretch<'a, S> {
+    values: &'a mut [S],
+    place: usize,
+    operands: &'a [[u32; 2]],
+}
+
+impl<S: Scalar> Stretch<'_, S> {
+    fn each(&mut self, operation: impl Fn(S, S) -> S) {
+        for (k, [x, y]) in self.operands.iter().enumerate() {
+            self.values[self.place + k] = operation(self.values[*x as usize], self.values[*y as usize]);
+        }
     }
 }
 

@@ -12,6 +12,7 @@ mod places;
 mod products;
 mod rewrite;
 mod scalar;
+mod schedule;
 mod sums;
 mod symbol;
 mod table;

@@ -16,10 +16,12 @@ pub trait Scalar: Copy {
 }
 
 impl Scalar for f64 {
+    #[inline]
     fn constant(value: DoubleDouble) -> f64 {
         value.to_f64()
     }
 
+    #[inline]
     fn unary(function: Unary, x: f64) -> f64 {
         match function {
             Unary::Neg => -x,
@@ -44,6 +46,7 @@ impl Scalar for f64 {
         }
     }
 
+    #[inline]
     fn binary(operation: Binary, x: f64, y: f64) -> f64 {
         match operation {
             Binary::Add => x + y,

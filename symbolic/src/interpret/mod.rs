@@ -1,9 +1,15 @@
-//! Evaluating a program without compiling it: some 25 times slower than the generated code, and tested against it.
+//! Evaluating a program without compiling it: several times slower than the generated code, and tested against it.
 
+use std::cell::RefCell;
 use std::sync::Arc;
 
 use crate::expr::{Id, Scalar, Symbol, Tape};
 use crate::lower::{Accelerations, Entry, Part, Program};
+
+thread_local! {
+    /// What evaluations write their values to.
+    static SCRATCH: RefCell<Vec<f64>> = const { RefCell::new(Vec::new()) };
+}
 
 /// A program with values for its parameters, inputs and modes; copies share the program.
 #[derive(Clone, Debug)]
@@ -152,6 +158,11 @@ impl Interpreter {
         &self.program
     }
 
+    /// How many values the accelerations are computed from and with: constants, symbols and operations.
+    pub fn operations(&self) -> usize {
+        self.tapes.accelerations.tape.operations()
+    }
+
     /// Evaluates one function into a slice of its length.
     pub fn evaluate(&self, function: Function, at: At<'_>, values: &mut [f64]) {
         self.run(&self.tapes.functions[function as usize], at, values);
@@ -192,17 +203,18 @@ impl Interpreter {
     }
 
     fn solved(&self, solved: &Solved, at: At<'_>, a: &mut [f64]) -> Result<(), usize> {
-        let mut values = vec![0.0; solved.tape.len()];
-        self.run(&solved.tape, at, &mut values);
-        let (accelerations, pairs) = values.split_at(solved.coordinates.len());
-        for (k, pair) in solved.pivots.iter().zip(pairs.chunks_exact(2)) {
-            let negligible = 4.0 * f64::EPSILON * pair[1].abs();
-            if pair[0].is_nan() || pair[0].abs() <= negligible {
-                return Err(*k);
+        let Solved { tape, coordinates, pivots } = solved;
+        SCRATCH.with_borrow_mut(|scratch| {
+            tape.fill(|symbol| self.value(symbol, at), scratch);
+            for (k, coordinate) in pivots.iter().enumerate() {
+                let [pivot, size] = [0, 1].map(|part| tape.result(scratch, coordinates.len() + 2 * k + part));
+                if pivot.is_nan() || pivot.abs() <= 4.0 * f64::EPSILON * size.abs() {
+                    return Err(*coordinate);
+                }
             }
-        }
-        solved.coordinates.iter().zip(accelerations).for_each(|(i, value)| a[*i] = *value);
-        Ok(())
+            coordinates.iter().enumerate().for_each(|(k, i)| a[*i] = tape.result(scratch, k));
+            Ok(())
+        })
     }
 
     /// The accelerations in another kind of number, and what tests them: pairs of a pivot and what it must not be negligible
@@ -258,7 +270,7 @@ impl Interpreter {
     }
 
     fn run(&self, tape: &Tape, at: At<'_>, values: &mut [f64]) {
-        tape.run(|symbol| self.value(symbol, at), &mut Vec::new(), values);
+        SCRATCH.with_borrow_mut(|scratch| tape.run(|symbol| self.value(symbol, at), scratch, values));
     }
 
     /// What a symbol stands for at a state.
