@@ -43,7 +43,6 @@ pub(crate) use state::Names;
 pub use state::State;
 #[cfg(feature = "interpret")]
 pub(crate) use state::plain;
-use state::state_position;
 pub use symmetry::Symmetry;
 pub(crate) use trajectory::Trajectory;
 pub use trust::Trust;
