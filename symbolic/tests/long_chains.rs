@@ -66,6 +66,7 @@ fn faults_in_one_place_of_long_files_are_refused() {
             ["E507", "E507"],
         ),
         ("a term of the energy", claim("+ 1e-3*m*l^2*theta[1]'^2"), ["E501", "E501"]),
+        ("a term of the energy at the far end", claim("+ 1e-3*m*l^2*theta[n]'^2"), ["E501", "E501"]),
         ("a weight in the energy", claim("- 1e-3*m*g*l*cos(theta[1])"), ["E501", "E501"]),
     ];
     for (what, text, codes) in faults {

@@ -1,5 +1,7 @@
 //! Random parameters and states, in the file's own measure (LANGUAGE, section 8).
 
+use std::collections::HashMap;
+
 use super::motion::Motion;
 use super::state::{Origin, State};
 use super::trajectory::Trajectory;
@@ -204,12 +206,19 @@ impl<'a> Draws<'a> {
         dimension(self.model.coordinates[i].unit.as_deref()) == Some([0; BASES])
     }
 
-    /// √(s |a|), what a fall from rest over the distance s gives each coordinate.
+    /// √(s |a|), what a fall from rest over the distance s gives each coordinate, with the largest a of its family: from where a chain is let go
+    /// its far end hardly begins to turn.
     fn natural_speeds(&mut self, state: &mut State) -> Vec<Option<f64>> {
         let known = self.motion.complete(state).is_ok();
-        let speeds = (0..state.q.len()).map(|i| {
+        let coordinates = &self.model.coordinates;
+        let mut largest: HashMap<&str, f64> = HashMap::new();
+        for (coordinate, a) in coordinates.iter().zip(&state.a) {
+            let largest = largest.entry(coordinate.family()).or_default();
+            *largest = largest.max(a.value.to_f64().abs());
+        }
+        let speeds = coordinates.iter().enumerate().map(|(i, coordinate)| {
             let s = pick(&mut self.random, &self.scales.q[i]);
-            let speed = state.a.get(i).map_or(0.0, |a| (s * a.value.to_f64().abs()).sqrt());
+            let speed = (s * largest.get(coordinate.family()).copied().unwrap_or(0.0)).sqrt();
             (known && speed > 0.0 && speed.is_finite()).then_some(speed)
         });
         speeds.collect()

@@ -360,8 +360,8 @@ fn groups(model: &Model) -> Vec<Vec<usize>> {
     if n <= 8 {
         return (0..n).map(|i| vec![i]).collect();
     }
-    let family = |i: usize| model.coordinates[i].name.split('[').next().unwrap_or("").to_owned();
-    let mut groups: Vec<(String, Vec<usize>)> = Vec::new();
+    let family = |i: usize| model.coordinates[i].family();
+    let mut groups: Vec<(&str, Vec<usize>)> = Vec::new();
     for i in 0..n {
         match groups.iter().position(|g| g.0 == family(i)) {
             Some(k) => groups[k].1.push(i),

@@ -258,6 +258,11 @@ pub struct Coordinate {
 }
 
 impl Coordinate {
+    /// What the members of its family share of their names: `theta` of `theta[3]`.
+    pub fn family(&self) -> &str {
+        self.name.split('[').next().unwrap_or("")
+    }
+
     /// Whether it is that of a state of first order.
     pub fn is_hidden(&self) -> bool {
         self.name.starts_with(HIDDEN)

@@ -7,7 +7,11 @@ use super::near;
 
 /// Coordinates, rates and what else has the same name, at all times of the reference up to `until`, s.
 fn follows(model: &str, reference: &str, until: f64, tolerance: f64) {
-    let mut case = Case::new(model).tolerance(1e-12);
+    runs_as(Case::new(model), reference, until, tolerance);
+}
+
+fn runs_as(case: Case, reference: &str, until: f64, tolerance: f64) {
+    let mut case = case.tolerance(1e-12);
     let mut compared = 0;
     for (t, values) in Reference::in_space(reference).states().into_iter().filter(|(t, _)| *t <= until) {
         let state = case.state_at(t);
@@ -119,6 +123,13 @@ fn a_bennett_linkage_follows_its_closed_form() {
 fn a_rattleback_and_a_tippe_top_follow_the_references() {
     follows("rattleback", "rattleback", 1.0, 1e-9);
     follows("tippe_top", "tippe_top", 0.5, 1e-9);
+}
+
+/// Against Newton's and Euler's equations from link to link (`tests/reference/space/arm.py`).
+#[test]
+fn an_arm_follows_the_references_driven_and_limp() {
+    follows("three_link_arm", "three_link_arm", 2.0, 1e-11);
+    runs_as(Case::new("three_link_arm").scene("limp"), "three_link_arm_limp", 2.0, 1e-9);
 }
 
 /// What spins against its sense rattles and turns round; a fast tippe top stands on its head, and Jellett's constant says how fast
