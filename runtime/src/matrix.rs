@@ -1,6 +1,6 @@
 //! Dense matrices whose rows and columns may be of any size; systems that are solved in room that is there.
 
-use nalgebra::{ComplexField, DMatrix, DVector};
+use nalgebra::{ComplexField, DMatrix, DVector, Dyn, SVD};
 
 /// L U of a square matrix, row by row, in place, by Gauss's elimination: L below the diagonal, U on it and above.  The pivot of
 /// a column is its largest element; `pivots` tells which row was exchanged with each.  False where it is singular or not finite.
@@ -83,9 +83,22 @@ pub(crate) fn solve_least(matrix: &DMatrix<f64>, right: &DMatrix<f64>) -> Option
     let mut b = right.clone();
     b.row_iter_mut().enumerate().for_each(|(i, mut row)| row.scale_mut(rows[i]));
     let size = scaled.amax().max(f64::MIN_POSITIVE) * scaled.nrows().max(scaled.ncols()) as f64;
-    let mut x = scaled.svd(true, true).solve(&b, 1e-13 * size).ok()?;
+    let mut x = svd(scaled, true, true)?.solve(&b, 1e-13 * size).ok()?;
     x.row_iter_mut().enumerate().for_each(|(i, mut row)| row.scale_mut(columns[i]));
     x.iter().all(|x| x.is_finite()).then_some(x)
+}
+
+/// The singular value decomposition, with the left and the right vectors where they are asked for; `None` of numbers that are not finite, and where no
+/// iteration ends: by itself nalgebra's has no limit.
+pub(crate) fn svd(matrix: DMatrix<f64>, left: bool, right: bool) -> Option<SVD<f64, Dyn, Dyn>> {
+    /// What counts as 0 beside its neighbours, in roundings: where the least never does, more may.
+    const ROUNDINGS: [f64; 3] = [1.0, 16.0, 256.0];
+    if matrix.iter().any(|x| !x.is_finite()) {
+        return None;
+    }
+    let most = 100 * matrix.nrows().max(matrix.ncols()).max(10);
+    let tried = |roundings: f64| matrix.clone().try_svd(left, right, roundings * f64::EPSILON, most);
+    ROUNDINGS.into_iter().find_map(tried)
 }
 
 /// Whether a matrix is symmetric but for rounding.

@@ -6,6 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::start::{Closing, MISSED};
 use crate::cause::Cause;
+use crate::matrix::svd;
 use crate::mechanism::{At, System};
 
 /// Gauss's and Newton's iterations at most.
@@ -47,7 +48,7 @@ impl<S: System + ?Sized> Closing<'_, S> {
                     *right /= norm;
                 }
             }
-            let Ok(step) = weighted.svd(true, true).solve(&right, DEPENDENT) else { break };
+            let Some(Ok(step)) = svd(weighted, true, true).map(|svd| svd.solve(&right, DEPENDENT)) else { break };
             let halves = std::iter::successors(Some(1.0), |part| Some(0.5 * part)).take_while(|part| *part > 1e-6);
             let moved = |part: f64| {
                 let mut tried = y.to_vec();

@@ -7,6 +7,7 @@ use super::found::Multiplier;
 use super::laps::{Laps, Time, Trial};
 use super::multipliers::{Polar, multipliers};
 use super::structure::{self, Known};
+use crate::matrix::svd;
 use crate::vary::{TOLD, put};
 
 /// A direction has an image at all where the map leaves this part of it.
@@ -128,7 +129,7 @@ pub(super) fn spectrum(laps: &mut Laps, trial: &Trial) -> Spectrum {
         }
     }
     let factors = factors(&maps, &bases);
-    let stretches: Vec<f64> = maps.iter().map(|map| map.clone().svd(false, false).singular_values.max()).collect();
+    let stretches: Vec<f64> = maps.iter().map(|map| stretches(map).map_or(map.norm(), |found| found.max())).collect();
     let spread = stretches.iter().zip(&factors).map(|(most, factor)| most / least(factor)).fold(1.0, f64::max);
     let stretch = stretches.into_iter().fold(0.0, f64::max);
     let Dimensions { start, most, least } = dimensions(laps, trial);
@@ -150,7 +151,12 @@ fn alike(columns: Vec<DVector<f64>>) -> Vec<DVector<f64>> {
 
 /// The least stretch of those directions whose multipliers are wanted.
 fn least(factor: &DMatrix<f64>) -> f64 {
-    if factor.is_empty() { f64::INFINITY } else { factor.clone().svd(false, false).singular_values.min() }
+    if factor.is_empty() { f64::INFINITY } else { stretches(factor).map_or(0.0, |found| found.min()) }
+}
+
+/// Singular values.
+fn stretches(map: &DMatrix<f64>) -> Option<DVector<f64>> {
+    Some(svd(map.clone(), false, false)?.singular_values)
 }
 
 /// The maps in bases; as one where the dimensions differ on the way.

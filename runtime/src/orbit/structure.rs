@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::matrix::svd;
 use crate::mechanism::dense::{constraint_matrix, mass_matrix};
 use crate::mechanism::{Along, At, Function, System};
 use crate::run::Side;
@@ -153,7 +154,7 @@ fn null_directions(n: usize, lines: &[DVector<f64>], system: &dyn System) -> Vec
         lines.iter().filter(|line| line.norm() > f64::EPSILON * largest).map(|line| line.normalize()).collect();
     let mut j = DMatrix::zeros(counted.len().max(n), n);
     counted.iter().enumerate().for_each(|(i, line)| j.set_row(i, &line.transpose()));
-    let svd = j.svd(false, true);
+    let Some(svd) = svd(j, false, true) else { return Vec::new() };
     let Some(vt) = svd.v_t else { return Vec::new() };
     let most = svd.singular_values.iter().fold(0.0_f64, |most, x| most.max(*x));
     let free: Vec<DVector<f64>> = (0..n)
@@ -241,7 +242,7 @@ pub(super) fn complement(within: &DMatrix<f64>, of: &DMatrix<f64>) -> DMatrix<f6
     let inside = within.transpose() * of;
     let mut square = DMatrix::zeros(k.max(m), k);
     square.view_mut((0, 0), (m, k)).copy_from(&inside.transpose());
-    let svd = square.svd(false, true);
+    let Some(svd) = svd(square, false, true) else { return within.clone() };
     let Some(vt) = svd.v_t else { return within.clone() };
     let free: Vec<DVector<f64>> =
         (0..k).filter(|i| svd.singular_values[*i] <= CONTAINED).map(|i| within * vt.row(i).transpose()).collect();

@@ -9,6 +9,7 @@ use super::laps::{Condition, Laps, Point, Solution, lcm};
 use super::stability::{Spectrum, beside, map, spectrum};
 use super::structure;
 use crate::error::{Error, NoOrbit};
+use crate::matrix::svd;
 use crate::run::Names;
 
 /// The first step, in parts of how far motions go: curves of most families are straight so far, and others shorten it.
@@ -300,11 +301,11 @@ impl Walk {
         let basis = &node.spectrum.basis;
         let whole = maps.iter().fold(DMatrix::identity(basis.nrows(), basis.nrows()), |all, map| map * all);
         let inside = basis.transpose() * whole * basis - DMatrix::identity(basis.ncols(), basis.ncols()) * sign;
-        let svd = inside.svd(false, true);
-        let Some(vt) = svd.v_t.filter(|vt| vt.nrows() > 0) else {
+        let parts = svd(inside, false, true).and_then(|svd| Some((svd.singular_values, svd.v_t?)));
+        let Some((stretches, vt)) = parts.filter(|(_, vt)| vt.nrows() > 0) else {
             return Err(NoOrbit::NoFamily { name: kind.word().to_owned() }.into());
         };
-        let least = svd.singular_values.imin();
+        let least = stretches.imin();
         let mut direction = basis * vt.row(least).transpose();
         let mut parts = Vec::with_capacity(count);
         for map in &maps {

@@ -5,6 +5,7 @@
 mod branches;
 mod rests;
 mod rolling;
+mod rotations;
 mod steady;
 mod trim;
 

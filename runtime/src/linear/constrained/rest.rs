@@ -248,26 +248,39 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
                 let mut next = state.clone();
                 next.q.iter_mut().zip(step.iter()).for_each(|(q, step)| *q += part * step);
                 self.rows.iter().enumerate().for_each(|(k, row)| next.lambda[*row] += part * step[n + k]);
+                self.keep_lengths(&mut next.q, from);
                 (part, next)
             };
             let halves = std::iter::successors(Some(1.0), |part| Some(0.5 * part)).take_while(|part| *part > 1e-6);
             let better = halves.map(moved).find(|(_, next)| size(next) < before);
+            let sizes = natural_sizes(&self.units(), &state.q);
+            let largest = step.iter().zip(&sizes).fold(0.0_f64, |most, (step, size)| most.max(step.abs() / size));
             match better {
-                Some((part, next)) => {
-                    let sizes = natural_sizes(&self.units(), &next.q);
-                    let largest =
-                        step.iter().zip(&sizes).fold(0.0_f64, |most, (step, size)| most.max(step.abs() / size));
+                Some((part, next)) if largest > f64::EPSILON => {
                     pace.note(largest, part, largest);
                     state = next;
                 }
                 // As good as rounding lets it be, or nowhere.
-                None if self.stays(&state) => return Ok(Found { state, iterations, slow: pace.slow }),
+                _ if self.stays(&state) => return Ok(Found { state, iterations, slow: pace.slow }),
+                Some((_, next)) => state = next,
                 None => return Err(self.nowhere(&state, iterations)),
             }
         }
         match self.stays(&state) {
             true => Ok(Found { state, iterations: ITERATIONS, slow: pace.slow }),
             false => Err(self.nowhere(&state, ITERATIONS)),
+        }
+    }
+
+    /// Gives rotations the lengths that they have at another place.  Moments about them fall as their lengths grow, so a search that lets these
+    /// grow finds rests where there is none.
+    fn keep_lengths(&self, q: &mut [f64], like: &[f64]) {
+        for first in self.system.description().rotations.iter() {
+            let places = *first as usize..*first as usize + 4;
+            let [length, wanted] = [&*q, like].map(|q| DVector::from_column_slice(&q[places.clone()]).norm());
+            if length > 0.0 && length.is_finite() {
+                q[places].iter_mut().for_each(|x| *x *= wanted / length);
+            }
         }
     }
 
@@ -319,6 +332,7 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         let or_one = |x: f64| if x > 0.0 && x.is_finite() { x.log2().round().exp2() } else { 1.0 };
         let energy = DMatrix::from_fn(n, n, |i, j| stiffness[(i, j)] * units[i] * units[j]);
         let energy = or_one(energy.amax());
+        let stiffness = self.lengths_kept(stiffness, state, |i| energy / (units[i] * units[i]));
         let reaches: Vec<f64> =
             (0..m).map(|k| or_one(jacobian.row(k).transpose().component_mul(&units).amax())).collect();
         let forces = units.map(|unit| or_one(unit) / energy);
@@ -330,6 +344,17 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         matrix.view_mut((n, 0), (m, n)).copy_from(&jacobian);
         matrix.row_iter_mut().zip(&rows).for_each(|(mut row, factor)| row *= *factor);
         Bordered { matrix, rows, multipliers }
+    }
+
+    /// ∂F/∂q with q·δq = 0 in the place of what F says along the four numbers q of a rotation, which is nothing: that they may be scaled makes
+    /// q·F 0 everywhere, whose slope would forbid just the turns by which F changes.
+    fn lengths_kept(&self, stiffness: DMatrix<f64>, state: &State, size: impl Fn(usize) -> f64) -> DMatrix<f64> {
+        let mut kept = self.without_lengths(stiffness, state);
+        for (first, axis) in self.rotations(state) {
+            let mut own = kept.view_mut((first, first), (4, 4));
+            own += &axis * axis.transpose() * size(first);
+        }
+        kept
     }
 
     /// Refuses forces made of reactions: independent coordinates do not know what the constraints carry.

@@ -130,7 +130,7 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
             #[cfg(feature = "modal")]
             turn,
         };
-        let effects = self.effects(&state);
+        let effects = self.telling_effects(&state);
         // What rounding leaves of the first is as small as its terms only after a second time.
         for _ in 0..2 {
             let force = DMatrix::from_column_slice(self.n, 1, self.force(&state).as_slice());
@@ -283,7 +283,7 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
         let by_state = self.slopes(state).abs() * &sizes;
         let carried = state.lambda.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let effects = self.effects(state);
-        let passed_on = self.passed_on(&effects) * by_state.rows(0, n);
+        let passed_on = self.passed_on(&self.telling_effects(state)) * by_state.rows(0, n);
         let jacobian = self.jacobian(state).abs();
         let triples = self.triples(state);
         let by_place = &jacobian * sizes.rows(0, n);
@@ -296,9 +296,44 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
         }
     }
 
+    /// What multipliers do, without what is rounding beside all that the same one does, coordinates measured by their sizes: an equation of nothing
+    /// but rounding would count like any other where they are solved for.
+    fn telling_effects(&self, state: &State) -> DMatrix<f64> {
+        let mut effects = self.without_lengths(self.effects(state), state);
+        let sizes = DVector::from_vec(natural_sizes(&self.units(), &state.q));
+        for mut column in effects.column_iter_mut() {
+            let most = column.component_mul(&sizes).amax();
+            for (x, size) in column.iter_mut().zip(&sizes) {
+                if x.abs() * size <= ROUNDINGS * f64::EPSILON * most {
+                    *x = 0.0;
+                }
+            }
+        }
+        effects
+    }
+
+    /// Rows, one a coordinate, without what they say along the four numbers of a rotation together: nothing but rounding, since their length does not
+    /// matter.
+    pub fn without_lengths(&self, mut rows: DMatrix<f64>, state: &State) -> DMatrix<f64> {
+        for (first, axis) in self.rotations(state) {
+            let mut turns = rows.rows_mut(first, 4);
+            let along = axis.transpose() * &turns;
+            turns -= axis * along;
+        }
+        rows
+    }
+
+    /// The first place of each rotation, and its four numbers with length 1.
+    pub fn rotations(&self, state: &State) -> Vec<(usize, DVector<f64>)> {
+        let firsts = self.system.description().rotations.iter().map(|first| *first as usize);
+        let axis = |first: usize| DVector::from_column_slice(&state.q[first..first + 4]).try_normalize(0.0);
+        firsts.filter_map(|first| Some((first, axis(first)?))).collect()
+    }
+
     /// Multipliers of the rows in force, 0 where no more is left than rounding of forces makes.
     pub fn multipliers(&self, state: &State) -> Vec<f64> {
-        let inverse = solve_least(&self.effects(state), &DMatrix::identity(self.n, self.n));
+        let effects = self.telling_effects(state);
+        let inverse = solve_least(&effects, &DMatrix::identity(self.n, self.n));
         let rounding = inverse.map(|inverse| inverse.abs() * self.terms(state).by_state * ROUNDINGS * f64::EPSILON);
         let of = |(k, row): (usize, &usize)| {
             let lambda = state.lambda[*row];

@@ -6,6 +6,7 @@ use super::point::LinearisationPoint;
 use super::search::least_step;
 use crate::linear::matrices::{Scaled, null_space};
 use crate::linear::{LinearError, SparseMatrix};
+use crate::matrix::svd;
 
 /// Newton steps after which what still moves falls back.
 pub(in crate::linear) const RELAXATIONS: usize = 40;
@@ -57,7 +58,7 @@ impl ZeroStiffness {
             let moved = moved.map(|x| if x.is_finite() { x.clamp(-2.0, 2.0) } else { 0.0 });
             reached.set_column(k, &(null.transpose() * moved));
         }
-        let svd = reached.try_svd(false, true, f64::EPSILON, 0);
+        let svd = svd(reached, false, true);
         let svd = svd.ok_or(LinearError::NoConvergence { what: "the singular value decomposition of a family" })?;
         let v_t = svd.v_t.unwrap_or_else(|| DMatrix::identity(free, free));
         let fallen: Vec<usize> = (0..free).filter(|k| svd.singular_values[*k] < 0.3).collect();
