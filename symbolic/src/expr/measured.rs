@@ -28,15 +28,17 @@ impl Measured {
         Measured { value, magnitude: value.to_f64().abs() }
     }
 
-    /// Whether the value is 0 within so many roundings: |value| ≤ `roundings` u m.  Not true of what is not finite.
+    /// Whether the value is 0 within so many roundings: |value| ≤ `roundings` u m, or below what has all its digits.  Not true of what is not finite.
     pub fn vanishes(self, roundings: f64) -> bool {
-        self.value.to_f64().abs() <= roundings * DoubleDouble::UNIT * self.magnitude && self.magnitude.is_finite()
+        let size = self.value.to_f64().abs();
+        let rounding = (roundings * DoubleDouble::UNIT * self.magnitude).max(f64::MIN_POSITIVE);
+        size <= rounding && self.magnitude.is_finite()
     }
 
-    /// |value|/m, between 0 and 1; 0 for 0.
+    /// |value|/m, between 0 and 1; 0 for 0, and for what is too small to have all its digits.
     pub fn relative(self) -> f64 {
         let size = self.value.to_f64().abs();
-        if size == 0.0 { 0.0 } else { size / self.magnitude }
+        if size <= f64::MIN_POSITIVE { 0.0 } else { size / self.magnitude }
     }
 }
 

@@ -131,7 +131,7 @@ impl Gate {
     fn agrees(self, difference: f64, own: f64, largest: f64) -> bool {
         let tolerance = if self.digits { 1e-20 } else { 1e-9 };
         // What underflows has no magnitude, and is equal all the same.
-        difference == 0.0 || difference <= tolerance * if self.rows { own } else { largest }
+        difference <= f64::MIN_POSITIVE || difference <= tolerance * if self.rows { own } else { largest }
     }
 
     /// Compares derivations and tests claims.

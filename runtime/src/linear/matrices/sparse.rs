@@ -52,7 +52,7 @@ impl SparseMatrix {
 
     /// The symmetric part (A + Aᵀ)/2 and the skew part (A − Aᵀ)/2 of a square matrix.
     ///
-    /// Parts that are rounding of ∂F are zero: differences below 8 ε of the elements they come from.
+    /// Parts that are rounding of ∂F are zero: sums and differences below 8 ε of the elements they come from.
     pub fn split(&self) -> (SparseMatrix, SparseMatrix) {
         let mut pairs = std::collections::BTreeMap::<(u32, u32), (f64, f64)>::new();
         for &(row, column, value) in &self.entries {
@@ -70,10 +70,9 @@ impl SparseMatrix {
                 symmetric.entries.push((row, row, lower));
                 continue;
             }
-            let (even, mut odd) = (0.5 * (lower + upper), 0.5 * (lower - upper));
-            if odd.abs() <= 8.0 * f64::EPSILON * lower.abs().max(upper.abs()) {
-                odd = 0.0;
-            }
+            let rounding = 8.0 * f64::EPSILON * lower.abs().max(upper.abs());
+            let [even, odd] =
+                [lower + upper, lower - upper].map(|x| if x.abs() <= 2.0 * rounding { 0.0 } else { 0.5 * x });
             symmetric.entries.extend([(row, column, even), (column, row, even)]);
             skew.entries.extend([(row, column, odd), (column, row, -odd)]);
         }
