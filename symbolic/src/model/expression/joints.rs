@@ -38,6 +38,12 @@ pub fn value(builder: &mut ExprBuilder, scope: &Scope, row: JointRow) -> Value {
             let normal = vector(builder, scope, normal);
             (slide(builder, velocities, normal), scope.units.rate(scope.units.of(Dimension::LENGTH)))
         }
+        JointRow::Approach { bodies, at, normal } => {
+            let [first, second] = bodies.map(|body| material_velocity(builder, scope, body, at));
+            let normal = vector(builder, scope, normal).map(|normal| vectors::unit(&mut builder.graph, &normal));
+            let velocity = second.zip(first).map(|(w, v)| vectors::difference(&mut builder.graph, &w, &v));
+            (component(builder, velocity, normal), scope.units.rate(scope.units.of(Dimension::LENGTH)))
+        }
     };
     builder.measured = unit;
     found.unwrap_or(Value::Poison)
@@ -137,7 +143,7 @@ impl Lower<'_> {
                 let force = lower.scaled(lambda, axis)?;
                 Some(vectors::negative(&mut lower.builder.graph, &force))
             }
-            JointRow::Turn { .. } | JointRow::Slide { .. } => Some(Vec::new()),
+            JointRow::Turn { .. } | JointRow::Slide { .. } | JointRow::Approach { .. } => Some(Vec::new()),
         })
     }
 
@@ -172,7 +178,9 @@ impl Lower<'_> {
                 let along = lower.scaled(lambda, axis)?;
                 Some(vectors::scaled(&mut lower.builder.graph, pitch, &along))
             }
-            JointRow::Meet { .. } | JointRow::Keep { .. } | JointRow::Slide { .. } => Some(Vec::new()),
+            JointRow::Meet { .. } | JointRow::Keep { .. } | JointRow::Slide { .. } | JointRow::Approach { .. } => {
+                Some(Vec::new())
+            }
         });
         match couple {
             Value::Vector(couple) if size == 1 => Value::Scalar(couple[0]),

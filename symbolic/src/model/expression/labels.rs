@@ -95,10 +95,12 @@ impl Lower<'_> {
             }),
         };
         let Some(first) = first else { return Value::Poison };
-        let mut row = first as u32;
+        let (mut row, scale) = (first as u32, scope.constraints[place].scale);
+        let graph = &mut self.builder.graph;
         value.map(|_| {
             row += 1;
-            self.builder.graph.symbol(Symbol::Multiplier(row - 1))
+            let multiplier = graph.symbol(Symbol::Multiplier(row - 1));
+            scale.map_or(multiplier, |scale| graph.div(multiplier, scale))
         })
     }
 

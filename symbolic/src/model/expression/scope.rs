@@ -165,6 +165,8 @@ pub struct ConstraintNames {
     pub item: usize,
     /// The place of its first component among the rows of all constraints, once that is known.
     pub first: Option<usize>,
+    /// Of a contact's gap that is no distance: by which its multiplier is divided where it is asked for as a force.
+    pub scale: Option<Id>,
 }
 
 /// A joint by name: constraints that belong together.
@@ -212,6 +214,15 @@ pub enum JointRow {
     /// (v₁ − v₂) × n = 0 with the velocities of the material of both bodies at a point, in the plane: no row of a joint, but of a contact
     /// that sticks.
     Slide {
+        /// Both bodies; `None` for the ground.
+        bodies: [Option<usize>; 2],
+        /// The point.
+        at: usize,
+        /// The normal, of any length.
+        normal: usize,
+    },
+    /// (v₁ − v₂)·n of the same: no row either, but how fast a contact opens.
+    Approach {
         /// Both bodies; `None` for the ground.
         bodies: [Option<usize>; 2],
         /// The point.

@@ -109,6 +109,11 @@ pub struct State {
 }
 
 impl State {
+    /// Moves coordinates by so much.
+    pub fn shift(&mut self, by: impl Iterator<Item = f64>) {
+        self.coordinates.iter_mut().zip(by).for_each(|(coordinate, by)| coordinate[0] += by);
+    }
+
     /// Of a symbol.
     pub fn value(&self, symbol: Symbol) -> f64 {
         let coordinate = |i: u32, order: usize| self.coordinates.get(i as usize).map_or(f64::NAN, |c| c[order]);

@@ -48,7 +48,7 @@ impl Resolver<'_> {
                 }
                 let (rules, written) = (Rules::constraint(), written.clone());
                 let item = self.item(name.clone(), written, rules, Want::Equation, &member.locals);
-                self.scope.constraints.push(ConstraintNames { name, item, first: None });
+                self.scope.constraints.push(ConstraintNames { name, item, first: None, scale: None });
                 places.push(spot.place.clone());
             }
         }
@@ -79,6 +79,7 @@ impl Resolver<'_> {
             rows += self.model.constraints.last().map_or(0, |constraint| constraint.value.len());
         }
         self.judge_constraints();
+        self.measure_gaps();
         self.judge_joints();
     }
 

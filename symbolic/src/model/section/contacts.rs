@@ -3,13 +3,14 @@
 //! A contact becomes what a person would write by hand: constraints for its gap and its sliding rate, a phase for every combination of what
 //! all contacts do, friction that acts while it slides, and the events at which one of them changes.
 
+use super::attachment::states;
 use super::loads::{AttachedTo, Draft, DraftPush, Drafts};
 use super::resolve_values::Want;
 use super::springs::Placement;
 use crate::diagnose::Place;
-use crate::diagnose::catalogue::{contacts, sections};
+use crate::diagnose::catalogue::{contacts, mechanics, sections};
 use crate::diagnose::did_you_mean_or;
-use crate::expr::{Id, Symbol, vectors};
+use crate::expr::{Graph, Id, Symbol, Tape, jacobian, substitute, vectors};
 use crate::file::{Quantity, Spot, Text, Written};
 use crate::model::contact::{Contact, ContactMode, ImpactLaw, combinations};
 use crate::model::event::{Event, EventAction, Trigger};
@@ -17,6 +18,7 @@ use crate::model::expression::dimension::Dimension;
 use crate::model::expression::families::Locals;
 use crate::model::expression::rules::Rules;
 use crate::model::expression::scope::{ConstraintNames, Entry, JointRow, Member, Section};
+use crate::model::expression::value::Value;
 use crate::model::resolved::{Phase, Work};
 use crate::model::resolver::Resolver;
 
@@ -26,6 +28,13 @@ const MOST_PHASES: usize = 256;
 /// A force that is at its limit but for this part of it sticks, some thirty roundings: blocks on each other that are equally rough reach their
 /// limits together, and rounding of forces must not decide which slips.
 const AT_THE_LIMIT: f64 = 32.0 * f64::EPSILON;
+
+/// Newton's steps by which a gap is closed at a random place.
+const CLOSINGS: usize = 30;
+/// A gap below this is closed, m: Newton's steps leave what double precision rounds of a metre.
+const CLOSED: f64 = 1e-12;
+/// A normal may be off by so much, rad: as far as numbers that are written out with six digits are.
+const OFF: f64 = 1e-6;
 
 const POINT: Rules = Rules::joint("a point of a contact").si(Dimension::LENGTH);
 const NORMAL: Rules = Rules::joint("a contact's normal");
@@ -39,6 +48,8 @@ pub struct ContactText {
     /// Its places among the constraints.
     normal: Option<usize>,
     tangent: Option<usize>,
+    /// The item of the rate along the normal.
+    approach: Option<usize>,
     kind: Kind,
     locals: Locals,
     place: Place,
@@ -69,6 +80,13 @@ struct Touching {
     friction: Option<Text>,
     greatest: Option<Text>,
     restitution: Option<Quantity>,
+}
+
+/// A gap, and how it and its measure along the normal change with each speed.
+struct Opening {
+    gap: Id,
+    across: Vec<Id>,
+    slopes: Vec<Id>,
 }
 
 impl ContactText {
@@ -120,46 +138,50 @@ impl Resolver<'_> {
 
     fn declare_contact(&mut self, (spot, name): (&Spot<'_>, String), kind: Kind, locals: &Locals) {
         let first = self.scope.constraints.len();
+        let mut approach = None;
         let (normal, tangent) = match &kind {
             Kind::Friction(text) => {
                 let written = Some(Written::One(text.rate.clone()));
                 let item = self.item(name.clone(), written, Rules::constraint(), Want::Scalar, locals);
-                self.scope.constraints.push(ConstraintNames { name: name.clone(), item, first: None });
+                self.scope.constraints.push(ConstraintNames { name: name.clone(), item, first: None, scale: None });
                 (None, Some(first))
             }
             Kind::Contact(text) => {
                 let gap = spot.get("gap").and_then(|gap| gap.text(&mut Vec::new()));
                 let item = self.item(name.clone(), gap.map(Written::One), Rules::constraint(), Want::Scalar, locals);
-                self.scope.constraints.push(ConstraintNames { name: name.clone(), item, first: None });
+                self.scope.constraints.push(ConstraintNames { name: name.clone(), item, first: None, scale: None });
+                let rates = (self.scope.dimension == 2).then(|| self.contact_rates(&name, text, locals)).flatten();
+                approach = rates.map(|[_, approach]| approach);
                 let tangent = text.friction.as_ref().map(|_| {
                     let row = format!("{name}.friction");
-                    let item = self.sliding_rate(&row, text, locals);
-                    self.scope.constraints.push(ConstraintNames { name: row, item, first: None });
+                    // Without a value where what is wrong was reported.
+                    let unknown = |resolver: &mut Self| {
+                        resolver.item(row.clone(), None, Rules::constraint(), Want::Scalar, locals)
+                    };
+                    let item = rates.map_or_else(|| unknown(self), |[sliding, _]| sliding);
+                    self.scope.constraints.push(ConstraintNames { name: row, item, first: None, scale: None });
                     first + 1
                 });
                 (Some(first), tangent)
             }
         };
         let (locals, place) = (locals.clone(), spot.place.clone());
-        self.contacts.push(ContactText { name, normal, tangent, kind, locals, place });
+        self.contacts.push(ContactText { name, normal, tangent, approach, kind, locals, place });
     }
 
-    /// The item of a contact's sliding rate: that of the material of `on` less that of `from`, across the normal.
-    fn sliding_rate(&mut self, name: &str, text: &Touching, locals: &Locals) -> usize {
+    /// The items of a contact's sliding rate and of the rate at which it opens: across and along the normal, of the material of `on` less that
+    /// of `from`.
+    fn contact_rates(&mut self, name: &str, text: &Touching, locals: &Locals) -> Option<[usize; 2]> {
         let on = self.body(&text.on, locals);
         let from = text.from.as_ref().map_or(Some(None), |from| self.body(from, locals));
         let at = text.at.clone().unwrap_or_else(|| Written::One(text.on.clone()));
         let at = self.item(format!("the point of {name}"), Some(at), POINT, Want::Vector, locals);
         let normal = Some(text.normal.clone());
         let normal = self.item(format!("the normal of {name}"), normal, NORMAL, Want::Vector, locals);
-        match (on, from) {
-            (Some(on), Some(from)) => {
-                let want = Want::Joint(JointRow::Slide { bodies: [on, from], at, normal });
-                self.item(name.to_owned(), None, Rules::constraint(), want, locals)
-            }
-            // Without a value; what is wrong was reported.
-            _ => self.item(name.to_owned(), None, Rules::constraint(), Want::Scalar, locals),
-        }
+        let bodies = [on?, from?];
+        let rows = [JointRow::Slide { bodies, at, normal }, JointRow::Approach { bodies, at, normal }];
+        let rules = Rules::constraint();
+        Some(rows.map(|row| self.item(format!("{name}.friction"), None, rules, Want::Joint(row), locals)))
     }
 
     /// `{rate: x' - belt, on: block, along: "[1, 0]", limit: F, static: F_s}`.
@@ -224,6 +246,99 @@ impl Resolver<'_> {
             greatest: greatest?,
             restitution: restitution?,
         })))
+    }
+
+    /// Measures gaps along their normals, where they are written otherwise (`y - x/2` of a slope): what is across moves σ times as fast as the gap,
+    /// so that the force across is the multiplier divided by σ.
+    pub fn measure_gaps(&mut self) {
+        for contact in self.contacts.clone() {
+            let approach = contact.approach.and_then(|item| self.scope.values.get(item).cloned().flatten());
+            let (Some(normal), Some(Value::Scalar(approach))) = (contact.normal, approach) else { continue };
+            let Some(gap) = self.value_of(normal) else { continue };
+            let Some(opening) = self.opening(gap, approach) else { continue };
+            match self.scale_of(&opening) {
+                Some(scale) => self.divide_multiplier(normal, scale),
+                None if contact.tangent.is_some() => {
+                    self.builder.problems.push(mechanics::normal_not_across(contact.place.clone(), &contact.name));
+                }
+                // Without friction nothing asks for the force.
+                None => {}
+            }
+        }
+    }
+
+    /// Lets the multiplier of a constraint stand for a force, in what is known already too.
+    fn divide_multiplier(&mut self, constraint: usize, scale: Id) {
+        let symbol = Symbol::Multiplier(self.model.constraints[constraint].first as u32);
+        let multiplier = self.builder.graph.symbol(symbol);
+        self.scope.constraints[constraint].scale = Some(scale);
+        let graph = &mut self.builder.graph;
+        let force = [(symbol, graph.div(multiplier, scale))].into_iter().collect();
+        for value in self.scope.values.iter_mut().flatten() {
+            *value = value.map(|id| substitute(graph, &[id], &force)[0]);
+        }
+    }
+
+    /// The force across a contact.
+    fn force_across(&mut self, normal: usize) -> Id {
+        let multiplier = self.multiplier_of(normal);
+        let scale = self.scope.constraints.get(normal).and_then(|names| names.scale);
+        scale.map_or(multiplier, |scale| self.builder.graph.div(multiplier, scale))
+    }
+
+    /// How a gap and its measure along the normal change with the speeds; `None` where they do alike.
+    fn opening(&mut self, gap: Id, approach: Id) -> Option<Opening> {
+        let graph = &mut self.builder.graph;
+        let n = self.model.coordinates.len();
+        let row = |graph: &mut Graph, value: Id, of: fn(Symbol) -> Option<usize>| {
+            let mut row = vec![Id::ZERO; n];
+            jacobian(graph, &[value], of).into_iter().flatten().for_each(|(i, slope)| row[i] = slope);
+            row
+        };
+        let across = row(graph, approach, |symbol| match symbol {
+            Symbol::Speed(i) => Some(i as usize),
+            _ => None,
+        });
+        let slopes = row(graph, gap, |symbol| match symbol {
+            Symbol::Coordinate(i) => Some(i as usize),
+            _ => None,
+        });
+        let differences = vectors::difference(graph, &across, &slopes);
+        (differences.iter().any(|x| *x != Id::ZERO) && !self.still(&[differences])[0]).then_some(Opening {
+            gap,
+            across,
+            slopes,
+        })
+    }
+
+    /// σ = a·b/b·b for the rates a·q' along the normal and b·q' of the gap; `None` where a is not σ b with a positive σ wherever the gap
+    /// is closed, at random places.
+    fn scale_of(&mut self, Opening { gap, across, slopes }: &Opening) -> Option<Id> {
+        let graph = &mut self.builder.graph;
+        let (product, square) = (vectors::dot(graph, across, slopes), vectors::dot(graph, slopes, slopes));
+        let scale = graph.div(product, square);
+        let tape = Tape::new(graph, &[&[*gap, scale][..], across, slopes].concat());
+        for mut state in states(&self.builder, &self.model) {
+            for _ in 0..CLOSINGS {
+                let values: Vec<f64> = tape.evaluate(|symbol| state.value(symbol));
+                let slopes = &values[2 + across.len()..];
+                let square: f64 = slopes.iter().map(|slope| slope * slope).sum();
+                state.shift(slopes.iter().map(|slope| -slope * values[0] / square));
+            }
+            let values: Vec<f64> = tape.evaluate(|symbol| state.value(symbol));
+            let (across, slopes) = values[2..].split_at(across.len());
+            let most = across.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            // Where the gap does not close, nothing is known.
+            let reach = slopes.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            if !(values[0].abs() <= CLOSED * reach && most.is_finite()) {
+                continue;
+            }
+            let fits = across.iter().zip(slopes).all(|(a, b)| (a - values[1] * b).abs() <= OFF * most);
+            if !fits || values[1] <= 0.0 {
+                return None;
+            }
+        }
+        Some(scale)
     }
 
     /// A phase for each combination of what the contacts do, each with the constraints that hold then; false where the file has no contacts.
@@ -327,7 +442,7 @@ impl Resolver<'_> {
         drafts: &mut Drafts,
     ) -> Option<Draft> {
         let locals = &contact.locals;
-        let across = self.multiplier_of(contact.normal?);
+        let across = self.force_across(contact.normal?);
         let normal = self.vector(&text.normal, NORMAL, locals)?;
         let normal = vectors::unit(&mut self.builder.graph, &normal);
         let mut force = vectors::scaled(&mut self.builder.graph, across, &normal);
@@ -407,7 +522,7 @@ impl Resolver<'_> {
             Kind::Contact(text) => {
                 let coefficient = text.greatest.as_ref().or(text.friction.as_ref())?;
                 let coefficient = self.scalar(coefficient, COEFFICIENT, &contact.locals)?;
-                let across = self.multiplier_of(contact.normal?);
+                let across = self.force_across(contact.normal?);
                 self.builder.graph.mul(coefficient, across)
             }
         };
