@@ -172,7 +172,7 @@ fn a_run_goes_on_from_a_state_saved_at_an_event() {
 #[test]
 fn a_block_moved_by_hand_slips_if_the_spring_says_so() {
     let rub = "friction: {rub: {rate: x', on: p, along: \"[1, 0]\", limit: 3 N}}\n";
-    let text = pushed("", "[-k*max(z, x), 0]", &format!("{rub}scene: {{start: {{x: 0.1, y: 0}}, until: 2}}\n"));
+    let text = pushed("", "[-k*abs(x), 0]", &format!("{rub}scene: {{start: {{x: 0.1, y: 0}}, until: 2}}\n"));
     let case = case(&text);
     let mut block = dalembert::Stepping::new(case.system, case.settings).expect("a start");
     block.advance(0.1).expect("a run");
