@@ -439,17 +439,18 @@ fn contacts_are_known_by_name() {
 
 #[test]
 fn a_wrong_place_or_direction_does_not_compile() {
-    for (name, right, wrong) in [
-        ("rocking_block", "at: left,  normal", "at: top_left,  normal"),
-        ("rocking_block", "at: left,  normal: \"[0, 1]\"", "at: left,  normal: \"[0.3, 1]\""),
-        ("two_blocks", "on: high, from: low, along", "on: low, from: high, along"),
-        ("two_blocks", "on: high, from: low, along", "on: high, along"),
+    let across = "does not open along its normal";
+    for (name, right, wrong, why) in [
+        ("rocking_block", "at: left,  normal", "at: top_left,  normal", across),
+        ("rocking_block", "at: left,  normal: \"[0, 1]\"", "at: left,  normal: \"[0.3, 1]\"", across),
+        ("two_blocks", "on: high, from: low, along", "on: low, from: high, along", "balances"),
+        ("two_blocks", "on: high, from: low, along", "on: high, along", "balances"),
     ] {
         let text = std::fs::read_to_string(model(name)).expect("the model");
         assert!(text.contains(right), "{right}");
         let file = File::new("wrong", &text.replace(right, wrong));
-        let refused = run(&["check", &file.0]).expect_err("balances disagree");
-        assert!(refused.contains("balances"), "{refused}");
+        let refused = run(&["check", &file.0]).expect_err("a wrong contact");
+        assert!(refused.contains(why), "{refused}");
     }
 }
 
