@@ -92,7 +92,7 @@ pub(crate) fn solve_least(matrix: &DMatrix<f64>, right: &DMatrix<f64>) -> Option
 /// iteration ends: by itself nalgebra's has no limit.
 pub(crate) fn svd(matrix: DMatrix<f64>, left: bool, right: bool) -> Option<SVD<f64, Dyn, Dyn>> {
     /// What counts as 0 beside its neighbours, in roundings: where the least never does, more may.
-    const ROUNDINGS: [f64; 3] = [1.0, 16.0, 256.0];
+    const ROUNDINGS: [f64; 3] = [5.0, 25.0, 125.0];
     if matrix.iter().any(|x| !x.is_finite()) {
         return None;
     }

@@ -360,12 +360,13 @@ fn parameter_to_set(loaded: &Loaded, options: &ArgMatches, name: &str) -> Result
         true => (true, "a state"),
         false => (moves, kind),
     };
-    let option = ["start", "at"].into_iter().find(|option| options.try_contains_id(option).is_ok());
-    match (found, option) {
-        (Err(_), Some(option)) if moves => Err(Problem::Usage(format!(
+    // What looks for a rest has `--at` and the flag `--here`. Of an option that is not given clap knows in debug builds only whether there is one.
+    let option = if options.ids().any(|id| id == "here") { "at" } else { "start" };
+    match found {
+        Err(_) if moves => Err(Problem::Usage(format!(
             "error: `{name}` is {kind}, and --set is for parameters; write --{option} \"{name}=…\""
         ))),
-        (found, _) => found,
+        found => found,
     }
 }
 
