@@ -316,14 +316,7 @@ impl Run {
     pub fn digits(&self, name: &str) -> Option<u32> {
         let column = self.names.place(name)?;
         let error = self.last_error(column)?;
-        let states = 2 * self.names.coordinates.len();
-        let last =
-            |values: &[f64], size: usize, place: usize| Some(*values.get(values.len().checked_sub(size)? + place)?);
-        let value = match column.checked_sub(states) {
-            None => last(&self.rows, states, column),
-            Some(output) => last(&self.outputs, self.names.outputs.len(), output),
-        };
-        Some(significant(value?, error))
+        Some(significant(*self.reported(column).next_back()?, error))
     }
 
     /// The bound on the error of a column's last value.

@@ -273,12 +273,17 @@ impl Run {
         if name == "t" {
             return Some(self.times.clone());
         }
-        let (place, states) = (self.names.place(name)?, 2 * self.names.coordinates.len());
+        Some(self.reported(self.names.place(name)?).copied().collect())
+    }
+
+    /// What was reported of the column at this place.
+    fn reported(&self, place: usize) -> impl DoubleEndedIterator<Item = &f64> {
+        let states = 2 * self.names.coordinates.len();
         let (values, size, index) = match place.checked_sub(states) {
             None => (&self.rows, states, place),
             Some(output) => (&self.outputs, self.names.outputs.len(), output),
         };
-        Some(values.iter().skip(index).step_by(size).copied().collect())
+        values.iter().skip(index).step_by(size)
     }
 
     /// Names of the columns: coordinates, their rates, outputs component by component; in the places of hidden coordinates of states of first

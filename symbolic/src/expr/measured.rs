@@ -128,6 +128,13 @@ mod tests {
     }
 
     #[test]
+    fn what_underflows_vanishes() {
+        let tiny = Measured { value: f64::from_bits(1).into(), magnitude: 1e-310 };
+        assert!(tiny.vanishes(1.0) && tiny.relative() == 0.0);
+        assert!(!Measured { value: 1e-300.into(), magnitude: 1e-290 }.vanishes(1.0));
+    }
+
+    #[test]
     fn an_identity_vanishes_by_its_own_magnitude_however_large_its_terms() {
         // (x + y)² − x² − 2 x y − y²
         let identity = |g: &mut Graph, x: Id, y: Id| {

@@ -212,7 +212,8 @@ fn compare(
                 let by = format!("{difference:.3e}");
                 return Err(Box::new(verdicts::derivations_disagree(place, what, by, describe(model, state))));
             }
-            if difference > 0.0 {
+            // What underflows has no magnitude.
+            if difference > f64::MIN_POSITIVE {
                 worst = worst.max(difference / own);
             }
         }

@@ -332,7 +332,7 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         let or_one = |x: f64| if x > 0.0 && x.is_finite() { x.log2().round().exp2() } else { 1.0 };
         let energy = DMatrix::from_fn(n, n, |i, j| stiffness[(i, j)] * units[i] * units[j]);
         let energy = or_one(energy.amax());
-        let stiffness = self.lengths_kept(stiffness, state, |i| energy / (units[i] * units[i]));
+        let stiffness = self.with_lengths_held(stiffness, state, |i| energy / (units[i] * units[i]));
         let reaches: Vec<f64> =
             (0..m).map(|k| or_one(jacobian.row(k).transpose().component_mul(&units).amax())).collect();
         let forces = units.map(|unit| or_one(unit) / energy);
@@ -348,7 +348,7 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
 
     /// ∂F/∂q with q·δq = 0 in the place of what F says along the four numbers q of a rotation, which is nothing: that they may be scaled makes
     /// q·F 0 everywhere, whose slope would forbid just the turns by which F changes.
-    fn lengths_kept(&self, stiffness: DMatrix<f64>, state: &State, size: impl Fn(usize) -> f64) -> DMatrix<f64> {
+    fn with_lengths_held(&self, stiffness: DMatrix<f64>, state: &State, size: impl Fn(usize) -> f64) -> DMatrix<f64> {
         let mut kept = self.without_lengths(stiffness, state);
         for (first, axis) in self.rotations(state) {
             let mut own = kept.view_mut((first, first), (4, 4));

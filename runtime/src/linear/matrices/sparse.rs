@@ -106,3 +106,18 @@ impl SparseMatrix {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A gyroscopic force of 7.7 that is off by its rounding dissipates nothing; what is larger is in both parts.
+    #[test]
+    fn rounding_is_in_neither_part() {
+        let rounded = |even: f64| DMatrix::from_row_slice(2, 2, &[0.0, -7.7 + even, 7.7 + even, 0.0]);
+        let (symmetric, skew) = SparseMatrix::from_dense(&rounded(4.5e-16)).split();
+        assert!(symmetric.is_zero() && (skew.to_dense()[(1, 0)] - 7.7).abs() < 1e-14);
+        let (symmetric, _) = SparseMatrix::from_dense(&rounded(1e-13)).split();
+        assert!((symmetric.to_dense()[(1, 0)] - 1e-13).abs() < 1e-15);
+    }
+}

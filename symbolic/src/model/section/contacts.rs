@@ -3,14 +3,13 @@
 //! A contact becomes what a person would write by hand: constraints for its gap and its sliding rate, a phase for every combination of what
 //! all contacts do, friction that acts while it slides, and the events at which one of them changes.
 
-use super::attachment::states;
 use super::loads::{AttachedTo, Draft, DraftPush, Drafts};
 use super::resolve_values::Want;
 use super::springs::Placement;
 use crate::diagnose::Place;
-use crate::diagnose::catalogue::{contacts, mechanics, sections};
+use crate::diagnose::catalogue::{contacts, sections};
 use crate::diagnose::did_you_mean_or;
-use crate::expr::{Graph, Id, Symbol, Tape, jacobian, substitute, vectors};
+use crate::expr::{Id, Symbol, vectors};
 use crate::file::{Quantity, Spot, Text, Written};
 use crate::model::contact::{Contact, ContactMode, ImpactLaw, combinations};
 use crate::model::event::{Event, EventAction, Trigger};
@@ -18,7 +17,6 @@ use crate::model::expression::dimension::Dimension;
 use crate::model::expression::families::Locals;
 use crate::model::expression::rules::Rules;
 use crate::model::expression::scope::{ConstraintNames, Entry, JointRow, Member, Section};
-use crate::model::expression::value::Value;
 use crate::model::resolved::{Phase, Work};
 use crate::model::resolver::Resolver;
 
@@ -29,13 +27,6 @@ const MOST_PHASES: usize = 256;
 /// limits together, and rounding of forces must not decide which slips.
 const AT_THE_LIMIT: f64 = 32.0 * f64::EPSILON;
 
-/// Newton's steps by which a gap is closed at a random place.
-const CLOSINGS: usize = 30;
-/// A gap below this is closed, m: Newton's steps leave what double precision rounds of a metre.
-const CLOSED: f64 = 1e-12;
-/// A normal may be off by so much, rad: as far as numbers that are written out with six digits are.
-const OFF: f64 = 1e-6;
-
 const POINT: Rules = Rules::joint("a point of a contact").si(Dimension::LENGTH);
 const NORMAL: Rules = Rules::joint("a contact's normal");
 const COEFFICIENT: Rules = Rules::velocity("a coefficient of friction").si(Dimension::ONE);
@@ -44,15 +35,15 @@ const COEFFICIENT: Rules = Rules::velocity("a coefficient of friction").si(Dimen
 #[derive(Clone)]
 pub struct ContactText {
     /// Its expanded name.
-    name: String,
+    pub(super) name: String,
     /// Its places among the constraints.
-    normal: Option<usize>,
-    tangent: Option<usize>,
+    pub(super) normal: Option<usize>,
+    pub(super) tangent: Option<usize>,
     /// The item of the rate along the normal.
-    approach: Option<usize>,
+    pub(super) approach: Option<usize>,
     kind: Kind,
     locals: Locals,
-    place: Place,
+    pub(super) place: Place,
 }
 
 #[derive(Clone)]
@@ -80,13 +71,6 @@ struct Touching {
     friction: Option<Text>,
     greatest: Option<Text>,
     restitution: Option<Quantity>,
-}
-
-/// A gap, and how it and its measure along the normal change with each speed.
-struct Opening {
-    gap: Id,
-    across: Vec<Id>,
-    slopes: Vec<Id>,
 }
 
 impl ContactText {
@@ -248,104 +232,6 @@ impl Resolver<'_> {
         })))
     }
 
-    /// Measures gaps along their normals, where they are written otherwise (`y - x/2` of a slope): what is across moves σ times as fast as the gap,
-    /// so that the force across is the multiplier divided by σ.
-    ///
-    /// With constraints beside contacts coordinates may stand for each other, so that rates differ which are the same in every motion: a normal is
-    /// not refused then.
-    pub fn measure_gaps(&mut self) {
-        let own: Vec<usize> = self.contacts.iter().flat_map(ContactText::constraints).collect();
-        let alone = own.len() == self.model.constraints.len();
-        for contact in self.contacts.clone() {
-            let approach = contact.approach.and_then(|item| self.scope.values.get(item).cloned().flatten());
-            let (Some(normal), Some(Value::Scalar(approach))) = (contact.normal, approach) else { continue };
-            let Some(gap) = self.value_of(normal) else { continue };
-            let Some(opening) = self.opening(gap, approach) else { continue };
-            match self.scale_of(&opening) {
-                Some(scale) => self.divide_multiplier(normal, scale),
-                None if alone && contact.tangent.is_some() => {
-                    self.builder.problems.push(mechanics::normal_not_across(contact.place.clone(), &contact.name));
-                }
-                // Without friction nothing asks for the force.
-                None => {}
-            }
-        }
-    }
-
-    /// Lets the multiplier of a constraint stand for a force, in what is known already too.
-    fn divide_multiplier(&mut self, constraint: usize, scale: Id) {
-        let symbol = Symbol::Multiplier(self.model.constraints[constraint].first as u32);
-        let multiplier = self.builder.graph.symbol(symbol);
-        self.scope.constraints[constraint].scale = Some(scale);
-        let graph = &mut self.builder.graph;
-        let force = [(symbol, graph.div(multiplier, scale))].into_iter().collect();
-        for value in self.scope.values.iter_mut().flatten() {
-            *value = value.map(|id| substitute(graph, &[id], &force)[0]);
-        }
-    }
-
-    /// The force across a contact.
-    fn force_across(&mut self, normal: usize) -> Id {
-        let multiplier = self.multiplier_of(normal);
-        let scale = self.scope.constraints.get(normal).and_then(|names| names.scale);
-        scale.map_or(multiplier, |scale| self.builder.graph.div(multiplier, scale))
-    }
-
-    /// How a gap and its measure along the normal change with the speeds; `None` where they do alike.
-    fn opening(&mut self, gap: Id, approach: Id) -> Option<Opening> {
-        let graph = &mut self.builder.graph;
-        let n = self.model.coordinates.len();
-        let row = |graph: &mut Graph, value: Id, of: fn(Symbol) -> Option<usize>| {
-            let mut row = vec![Id::ZERO; n];
-            jacobian(graph, &[value], of).into_iter().flatten().for_each(|(i, slope)| row[i] = slope);
-            row
-        };
-        let across = row(graph, approach, |symbol| match symbol {
-            Symbol::Speed(i) => Some(i as usize),
-            _ => None,
-        });
-        let slopes = row(graph, gap, |symbol| match symbol {
-            Symbol::Coordinate(i) => Some(i as usize),
-            _ => None,
-        });
-        let differences = vectors::difference(graph, &across, &slopes);
-        (differences.iter().any(|x| *x != Id::ZERO) && !self.still(&[differences])[0]).then_some(Opening {
-            gap,
-            across,
-            slopes,
-        })
-    }
-
-    /// σ = a·b/b·b for the rates a·q' along the normal and b·q' of the gap; `None` where a is not σ b with a positive σ wherever the gap
-    /// is closed, at random places.
-    fn scale_of(&mut self, Opening { gap, across, slopes }: &Opening) -> Option<Id> {
-        let graph = &mut self.builder.graph;
-        let (product, square) = (vectors::dot(graph, across, slopes), vectors::dot(graph, slopes, slopes));
-        let scale = graph.div(product, square);
-        let tape = Tape::new(graph, &[&[*gap, scale][..], across, slopes].concat());
-        for mut state in states(&self.builder, &self.model) {
-            for _ in 0..CLOSINGS {
-                let values: Vec<f64> = tape.evaluate(|symbol| state.value(symbol));
-                let slopes = &values[2 + across.len()..];
-                let square: f64 = slopes.iter().map(|slope| slope * slope).sum();
-                state.shift(slopes.iter().map(|slope| -slope * values[0] / square));
-            }
-            let values: Vec<f64> = tape.evaluate(|symbol| state.value(symbol));
-            let (across, slopes) = values[2..].split_at(across.len());
-            let most = across.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-            // Where the gap does not close, nothing is known.
-            let reach = slopes.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-            if !(values[0].abs() <= CLOSED * reach && most.is_finite()) {
-                continue;
-            }
-            let fits = across.iter().zip(slopes).all(|(a, b)| (a - values[1] * b).abs() <= OFF * most);
-            if !fits || values[1] <= 0.0 {
-                return None;
-            }
-        }
-        Some(scale)
-    }
-
     /// A phase for each combination of what the contacts do, each with the constraints that hold then; false where the file has no contacts.
     pub fn phases_of_contacts(&mut self) -> bool {
         let Some(first) = ["friction", "contacts"].into_iter().find_map(|key| self.root.get(key)) else { return false };
@@ -396,7 +282,7 @@ impl Resolver<'_> {
     }
 
     /// The multiplier of a constraint with one row.
-    fn multiplier_of(&mut self, constraint: usize) -> Id {
+    pub(super) fn multiplier_of(&mut self, constraint: usize) -> Id {
         let row = self.model.constraints.get(constraint).map_or(0, |constraint| constraint.first);
         self.builder.graph.symbol(Symbol::Multiplier(row as u32))
     }
@@ -480,7 +366,7 @@ impl Resolver<'_> {
     }
 
     /// The value of a constraint with one row.
-    fn value_of(&self, constraint: usize) -> Option<Id> {
+    pub(super) fn value_of(&self, constraint: usize) -> Option<Id> {
         self.model.constraints.get(constraint)?.value.first().copied()
     }
 

@@ -14,6 +14,7 @@ pub mod draw;
 pub mod ends;
 pub mod events;
 pub mod forces;
+pub mod gaps;
 pub mod hinge_ambiguity;
 pub mod inertia;
 mod joint_rows;
