@@ -69,7 +69,7 @@ impl Integration {
     ) -> Result<(), Box<Cause>> {
         if !before.is_empty() {
             begin_at(system, self.clock.now(), self.stepper.start().y);
-            self.settle_contacts(system, before, recorder)?;
+            self.settle_after(system, Change::ByHand(before), recorder)?;
         }
         Ok(())
     }
@@ -82,14 +82,21 @@ impl Integration {
         before: &[Kinematics],
         recorder: &mut Recorder,
     ) -> Result<bool, Box<Cause>> {
-        if before.is_empty() {
-            return Ok(false);
-        }
+        if before.is_empty() { Ok(false) } else { self.settle_after(system, Change::Jump(before), recorder) }
+    }
+
+    /// Decides what all contacts do after a change that is no event of theirs; true where any does something else from here on.
+    fn settle_after(
+        &mut self,
+        system: &mut dyn System,
+        change: Change<'_>,
+        recorder: &mut Recorder,
+    ) -> Result<bool, Box<Cause>> {
         let scales = self.scales(system);
         let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
         let phase = system.phase();
         let moment = Moment { t: now, y: &y, scales: &scales, step: self.h };
-        let next = settle(system, &moment, Change::Jump(before))?;
+        let next = settle(system, &moment, change)?;
         system.set_phase(phase);
         if next == phase {
             return Ok(false);

@@ -72,12 +72,12 @@ impl Integration {
             self.h = self.first(system, span.min(self.ticks.after(now) - now));
         }
         locator.start(system, (now, &y), (self.h.min(span), span));
+        let (mut fired, mut past) = locator.at_start(system, (now, &y));
         if start == Starting::Prolonged {
-            self.locator = Some(locator);
-            return Ok(StopReason::Arrived);
-        }
-        let (fired, past) = locator.at_start(system, (now, &y));
-        if let Some(switch) = locator.undecided(system) {
+            // What a contact does at the end of a piece waits for the next one.
+            fired.retain(|fired| matches!(fired.actions[..], [Action::Contact(_)]));
+            past.clear();
+        } else if let Some(switch) = locator.undecided(system) {
             recorder.warn(Warning::BothSidesLeave { switch });
         }
         for event in past {

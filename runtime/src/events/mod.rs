@@ -42,7 +42,7 @@ pub(crate) use modes::mode as switch_mode;
 pub(crate) use modes::text as switch_text;
 pub(crate) use root::{Around, locate};
 pub(crate) use scan::Crossing;
-pub(crate) use sides::begin_at;
+pub(crate) use sides::{begin_at, begin_at_state};
 pub(crate) use signals::WIDTH as CLOSURE_WIDTH;
 pub(crate) use ticks::Ticks;
 

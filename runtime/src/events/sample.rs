@@ -451,6 +451,13 @@ pub(super) fn slides<S: System + ?Sized>(system: &S, event: usize) -> Option<f64
     stops.then(|| system.contacts().modes(system.phase())[contact].sliding()).filter(|side| *side != 0.0)
 }
 
+/// Whether an event ends what a contact holds by a force.
+pub(super) fn ends_hold<S: System + ?Sized>(system: &S, event: usize) -> bool {
+    let [Action::Contact(contact)] = system.description().events[event].actions[..] else { return false };
+    let what = system.contacts().all[contact as usize].happened(event);
+    matches!(what, Some(ContactEvent::Lifts | ContactEvent::Slips))
+}
+
 /// The contact whose gap is an event's function.
 fn closes<S: System + ?Sized>(system: &S, event: usize) -> Option<usize> {
     let [Action::Contact(contact)] = system.description().events[event].actions[..] else { return None };

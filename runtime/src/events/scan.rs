@@ -2,7 +2,7 @@
 
 use super::arguments::{Arguments, Course};
 use super::certify::{Certifier, Sample, ZeroKind};
-use super::sample::{PART, SHORTEST, SHOWN, Sampler};
+use super::sample::{PART, SHORTEST, SHOWN, Sampler, ends_hold};
 use crate::cause::Cause;
 use crate::integrate::Segment;
 use crate::mechanism::{System, Watched};
@@ -67,6 +67,8 @@ pub(crate) struct Scanner {
     early: Option<f64>,
     /// Which functions have arguments inside that must be looked at.
     inside: Vec<bool>,
+    /// Which are those of events that end what a contact holds by a force.
+    holds: Vec<bool>,
     /// Zeros of the last scan, in order of time, then of function.
     pub crossings: Vec<Crossing>,
     /// What else the last scan found.
@@ -92,6 +94,7 @@ impl Scanner {
             let of = watched(sampler, function);
             system.description().arguments.iter().any(|argument| argument.of == of)
         });
+        let holds = (0..functions).map(|function| function < sampler.events() && ends_hold(system, function));
         Scanner {
             sides: vec![0.0; functions],
             end_sides: vec![0.0; functions],
@@ -112,6 +115,7 @@ impl Scanner {
             length: 1.0,
             early: None,
             inside: inside.collect(),
+            holds: holds.collect(),
             crossings: Vec::with_capacity(2 * functions),
             anomalies: Vec::new(),
         }
@@ -193,6 +197,19 @@ impl Scanner {
         let leaving = self.leaving.iter_mut().zip(&self.lingers);
         leaving.filter(|(_, lingers)| !**lingers).for_each(|(leaving, _)| *leaving = 0.0);
         self.ends = t;
+    }
+
+    /// Whether an event is awake that ends what a contact holds by a force: its function was decided not to be negative, but for rounding.
+    pub fn holds(&self, event: usize) -> bool {
+        self.holds[event] && !self.asleep[event]
+    }
+
+    /// Puts an event on the side on which a force holds, if it is at its zero, and its rate does not tell to which side it leaves: where it
+    /// falls below, later, it happens.
+    pub fn hold(&mut self, event: usize) {
+        if self.holds(event) && self.sides[event] == 0.0 && self.leaving[event] == 0.0 {
+            self.leaving[event] = 1.0;
+        }
     }
 
     /// Forgets what was seen at the end of the last step: modes or state have changed.
@@ -328,8 +345,9 @@ impl Scanner {
                     self.crossings.push(Crossing { function, theta: mark.x, rising, jumps: false });
                     side = if rising { 1.0 } else { -1.0 };
                 }
-                // An event is what passes through zero; a switch has another side, however it got there.
-                ZeroKind::Jumps | ZeroKind::Pole | ZeroKind::Undefined if switches => {
+                // An event is what passes through zero; a switch has another side, and a force that holds is beyond its limit, however it got
+                // there.
+                ZeroKind::Jumps | ZeroKind::Pole | ZeroKind::Undefined if switches || self.holds[function] => {
                     let theta = (mark.x + BEYOND * mark.x.max(segment.t.abs() / segment.h)).min(1.0);
                     let after = certifier.points().iter().find(|point| point.x >= theta && point.value.is_finite());
                     let there = after.map_or(side, |point| point.value.signum());

@@ -1,6 +1,6 @@
 //! Sides of the switches of time alone at an instant, which nothing but the instant decides.
 
-use super::modes;
+use super::modes::{self, Known};
 use super::sample::Sampler;
 use crate::mechanism::{SwitchKind, System};
 
@@ -15,6 +15,22 @@ pub(crate) fn begin_at<S: System + ?Sized>(system: &mut S, t: f64, y: &[f64]) {
     if !system.description().switches.is_empty() {
         let mut sampler = Sampler::new(system);
         of_time(system, &mut sampler, t, y);
+    }
+}
+
+/// Forgets on which sides the switches were, and puts all of them where they are at a state in which a motion begins: those on their surface
+/// where the accelerations in the phase in force move them. No step is tried yet. Where no sides are found, switches of the state stay at their
+/// zero: who begins the motion says why.
+pub(crate) fn begin_at_state<S: System + ?Sized>(system: &mut S, t: f64, y: &[f64]) {
+    if system.description().switches.is_empty() {
+        return;
+    }
+    let mut sampler = Sampler::new(system);
+    let sides = of_time(system, &mut sampler, t, y);
+    let beyond: Vec<Option<f64>> = sides.into_iter().map(|side| side.filter(|side| *side != 0.0)).collect();
+    let known = Known { surface: &vec![false; beyond.len()], beyond: &beyond, leaves: None, step: 0.0 };
+    if modes::choose(system, &mut sampler, (t, y), &known, &mut |_| None).is_err() {
+        begin_at(system, t, y);
     }
 }
 

@@ -52,3 +52,133 @@ fn the_energy_of_a_driven_table_is_no_part_of_the_balance() {
     let drift = json["drift"]["energy_balance"].as_f64().expect("a drift");
     assert!(drift < 1e-11, "{drift}");
 }
+
+/// A particle on which a force acts, with more parameters and more lines of the file.
+fn pushed(parameters: &str, force: &str, more: &str) -> String {
+    let given = "m: 1 kg, a: 2 N, b: 1.5 N, g: 10 m/s^2, k: 20 N/m, z: 0 m";
+    let head = format!("name: Pushed\nparameters: {{{given}{parameters}}}\ncoordinates: {{x: m, y: m}}\n");
+    let body = "bodies: {p: {mass: m, position: \"[x, y]\"}}\n";
+    format!("{head}{body}forces: {{f: {{on: p, force: \"{force}\"}}}}\n{more}")
+}
+
+/// What slips, sticks or lifts where a motion begins is decided with the discontinuities on the sides on which the state lies.
+#[test]
+fn contacts_begin_with_discontinuities_on_their_sides() {
+    let rub = "friction: {rub: {rate: x', on: p, along: \"[1, 0]\", limit: b}}\n";
+    let floor = "gravity: [0, -g]\ncontacts: {floor: {gap: y, on: p, normal: \"[0, 1]\", friction: 0.15}}\n";
+    let scene = |x: f64, until: f64| format!("scene: {{start: {{x: {x}, y: 0}}, until: {until}, tolerance: 1e-10}}\n");
+    let launched = pushed("", "[k*max(z, -x), 0]", &format!("{rub}{}", scene(-0.1, 2.0)));
+    let launched_on_floor = pushed("", "[k*max(z, -x), 0]", &format!("{floor}{}", scene(-0.1, 2.0)));
+    let pulled = pushed("", "[-a*sign(x), 0]", &format!("{rub}{}", scene(1.0, 1.0)));
+    let lifted = pushed("", "[0, 2*m*g*sign(x)]", &format!("{floor}{}", scene(1.0, 3.0)));
+    let lifted_by_larger = pushed(", c: 1 m", "[0, 2*m*g*max(x, z)/c]", &format!("{floor}{}", scene(1.0, 3.0)));
+    let cases = [
+        (launched, "x", -0.05, 1),
+        (launched_on_floor, "x", -0.05, 1),
+        (pulled, "x", 0.75, 0),
+        (lifted, "y", 45.0, 0),
+        (lifted_by_larger, "y", 45.0, 0),
+    ];
+    for (text, name, expected, events) in cases {
+        let run = case(&text).run();
+        assert!((run.last()[name] - expected).abs() < 1e-9, "{name} = {}\n{text}", run.last()[name]);
+        assert_eq!(run.events.len(), events, "{text}");
+        // It rests where the spring is half as long, after half a period.
+        let stops = std::f64::consts::PI / 20.0_f64.sqrt();
+        assert!(run.events.iter().all(|event| (event.state.t - stops).abs() < 1e-9), "{:?}", run.events);
+    }
+}
+
+/// Where an argument is 0, the side is the one to which the motion goes that the decision brings.
+#[test]
+fn a_block_begins_to_slip_where_a_drum_turns() {
+    let told = printed("simulate", "block_dragged_by_drum", &["--no-digits"]);
+    assert!(told.contains("x = 0.748241003"), "{told}");
+    assert!(!told.contains("sticks"), "{told}");
+}
+
+/// A carriage that a controller moves from rest at once does not stop there.
+#[test]
+fn what_slips_at_once_does_not_stop_where_it_begins() {
+    let held = "[max(-u, min(u, K*(r - x) - D*x')), 0]";
+    let rub = "friction: {rub: {rate: x', on: p, along: \"[1, 0]\", limit: 2 N}}\n";
+    let scene = "scene: {start: {x: 0, y: 0}, until: 3, tolerance: 1e-11}\n";
+    let run = case(&pushed(", u: 5 N, K: 50 N/m, D: 8 N*s/m, r: 1 m", held, &format!("{rub}{scene}"))).run();
+    let stops: Vec<f64> = run.events.iter().map(|event| event.state.t).collect();
+    assert!(matches!(stops[..], [t] if (t - 1.031315006577).abs() < 1e-9), "{stops:?}");
+    assert!((run.last()["x"] - 1.021655979757).abs() < 1e-9, "{}", run.last()["x"]);
+}
+
+/// A rope's tension is 0 at the start but for a rounding to either side, and falls.
+#[test]
+fn a_rope_that_is_slack_by_a_rounding_does_not_push() {
+    for del in ["-1e-9", "-1e-10", "-1e-11", "-1e-12", "-1e-13", "0", "1e-13", "1e-10"] {
+        let run = case(&text_of("rope_all_but_slack").replace("del: 0", &format!("del: {del}"))).run();
+        assert!((run.last()["r"] - 0.8376555965).abs() < 1e-9, "{del}: r = {}", run.last()["r"]);
+    }
+}
+
+/// A force is at the limit of friction at the start but for a rounding to either side, and grows, stays or falls.
+#[test]
+fn friction_at_its_limit_by_a_rounding_holds_only_what_falls() {
+    let rub = "friction: {rub: {rate: x', on: p, along: \"[1, 0]\", limit: b}}\n";
+    let scene = "scene: {start: {x: 0, y: 0}, until: 3, tolerance: 1e-12}\n";
+    for del in ["-1e-11", "-1e-14", "0", "1e-16", "1e-14", "1e-13", "1e-12", "1e-11", "1e-10", "1e-9"] {
+        // Slips from 0 on: k t³/6; the force is −b, and slips, after the end of the run.
+        for (rate, expected) in [("1 N/s", 4.5), ("0 N/s", 0.0), ("-0.9 N/s", 0.0)] {
+            if rate != "1 N/s" && del == "1e-9" {
+                continue;
+            }
+            let parameters = format!(", del: {del}, r: {rate}");
+            let text = pushed(&parameters, "[b*(1 + del) + r*t, 0]", &format!("{rub}{scene}"));
+            let run = case(&text).run();
+            assert!((run.last()["x"] - expected).abs() < 1e-7, "{del}, {rate}: x = {}", run.last()["x"]);
+        }
+    }
+    // 0.1 + 0.2 is more than 0.3.
+    let more = format!("{rub}{scene}").replace("limit: b", "limit: l");
+    let text = pushed(", one: 0.1 N, two: 0.2 N, l: 0.3 N, r: 1 N/s", "[one + two + r*t, 0]", &more);
+    let mut grows = case(&text);
+    for tolerance in [1e-10, 1e-11, 1e-12] {
+        grows.settings.tolerance = tolerance;
+        let run = grows.run();
+        assert!((run.last()["x"] - 4.5).abs() < 1e-9, "x = {}", run.last()["x"]);
+        assert!(run.warnings.is_empty(), "{:?}", run.warnings);
+    }
+}
+
+/// A run that ends at the printed instant of an event, and goes on from its saved state, is the run in one piece.
+#[test]
+fn a_run_goes_on_from_a_state_saved_at_an_event() {
+    let folder = super::folder("saved-at-event");
+    let state = folder.join("state.yaml");
+    let state = state.to_str().expect("a path");
+    let cases = [
+        ("block_on_block", "2.49221378486", "3", "x", 0.0695150219),
+        ("rope_that_goes_slack", "0.478684490851", "1.5", "x", -0.2011044858),
+        ("clutch_and_brake", "0.26184372289604674", "6", "a", 2.8791798558),
+    ];
+    for (name, at, until, column, expected) in cases {
+        printed("simulate", name, &["--until", at, "--save", state, "-q"]);
+        let told = printed("simulate", name, &["--state", state, "--until", until, "--json", "--no-digits"]);
+        let json: serde_json::Value = serde_json::from_str(&told).expect("JSON");
+        let found = json["q"][column].as_f64().unwrap_or(f64::NAN);
+        assert!((found - expected).abs() < 1e-8, "{name}: {column} = {found}\n{told}");
+    }
+    std::fs::remove_dir_all(folder).expect("removed");
+}
+
+/// A block that sticks is moved by hand to where the spring pulls harder than friction holds: to 0.2 m, whence it swings to 0.1 m.
+#[test]
+fn a_block_moved_by_hand_slips_if_the_spring_says_so() {
+    let rub = "friction: {rub: {rate: x', on: p, along: \"[1, 0]\", limit: 3 N}}\n";
+    let text = pushed("", "[-k*abs(x), 0]", &format!("{rub}scene: {{start: {{x: 0.1, y: 0}}, until: 2}}\n"));
+    let case = case(&text);
+    let mut block = dalembert::Stepping::new(case.system, case.settings).expect("a start");
+    block.advance(0.1).expect("a run");
+    assert_eq!(block.state()["x"], 0.1);
+    block.state_mut().q[0] = 0.2;
+    block.advance(1.0).expect("a run");
+    let x = block.state()["x"];
+    assert!((x - 0.1).abs() < 1e-8, "{x}");
+}

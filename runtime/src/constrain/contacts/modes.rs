@@ -7,6 +7,7 @@
 use super::strike::Strike;
 use super::{Kinematics, Moment, Situation, combinations, words};
 use crate::cause::Cause;
+use crate::events::begin_at_state;
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{constraint_matrix, mass_matrix};
 use crate::mechanism::{At, ContactEvent, ContactMode, System};
@@ -34,6 +35,33 @@ pub(crate) enum Change<'a> {
     Struck(&'a Strike),
     /// Forces jumped, and maybe speeds and places, which were these.
     Jump(&'a [Kinematics]),
+    /// The same by a change by hand, after which a motion begins.
+    ByHand(&'a [Kinematics]),
+}
+
+impl<'a> Change<'a> {
+    /// How the sides of contacts were placed and moved before a jump.
+    fn jumped_from(self) -> Option<&'a [Kinematics]> {
+        match self {
+            Change::Jump(before) | Change::ByHand(before) => Some(before),
+            _ => None,
+        }
+    }
+
+    /// Whether a motion begins, so that nothing is known yet of the sides of the discontinuities.
+    fn begins(self) -> bool {
+        matches!(self, Change::Start | Change::ByHand(_))
+    }
+}
+
+/// What all combinations share.
+#[derive(Clone, Copy)]
+struct Shared<'a> {
+    known: &'a [Known],
+    /// J M⁻¹ Jᵀ of each row by itself.
+    compliance: &'a [f64],
+    /// Whether a motion begins: each combination then has its own sides of the discontinuities, those to which it moves.
+    begins: bool,
 }
 
 /// What is tried under one combination.
@@ -74,7 +102,7 @@ pub(crate) fn settle(system: &mut dyn System, moment: &Moment<'_>, change: Chang
     let situation = Situation::new(system, moment);
     let (t, y) = (moment.t, moment.y);
     let overlaps = |k: &usize| situation.kinematics[*k].gap < 0.0 && !situation.closed[*k];
-    if matches!(change, Change::Start | Change::Jump(_))
+    if (matches!(change, Change::Start) || change.jumped_from().is_some())
         && let Some(k) = (0..situation.kinematics.len()).find(overlaps)
     {
         let contact = system.contacts().all[k].name.to_string();
@@ -84,9 +112,11 @@ pub(crate) fn settle(system: &mut dyn System, moment: &Moment<'_>, change: Chang
         (0..situation.modes.len()).map(|k| known(system, &situation, (k, change), (t, y))).collect();
     let mut trials = Vec::new();
     let compliance = compliance(system, At::packed(t, y, system.len()));
+    let shared = Shared { known: &known, compliance: &compliance, begins: change.begins() };
+    let modes_before = system.modes().to_vec();
     let before_it = (!matches!(change, Change::Start)).then_some(situation.modes.as_slice());
     for modes in in_order(before_it, &known) {
-        trials.extend(tried(system, (t, y), (&known, &compliance), modes));
+        trials.extend(tried(system, (t, y), shared, modes));
     }
     system.set_phase(before);
     let forced = match change {
@@ -115,9 +145,12 @@ pub(crate) fn settle(system: &mut dyn System, moment: &Moment<'_>, change: Chang
             let one_motion = present || rest.iter().all(|other| alike(first, other));
             let mut same = vec![*first];
             same.extend(rest.iter().copied().filter(|other| alike(first, other)));
-            one_motion.then(|| lasting(system, moment, (&known, &compliance), &same))
+            one_motion.then(|| lasting(system, moment, shared, &same))
         }
     };
+    if change.begins() {
+        system.set_modes(&modes_before);
+    }
     let Some(chosen) = chosen else {
         let found = agree.iter().map(|trial| words(system, &trial.modes)).collect();
         return Err(Cause::UndecidedContacts { found }.into());
@@ -132,7 +165,7 @@ pub(crate) fn settle(system: &mut dyn System, moment: &Moment<'_>, change: Chang
 fn lasting<'a>(
     system: &mut dyn System,
     &Moment { t, y, step, .. }: &Moment<'_>,
-    (known, compliance): (&[Known], &[f64]),
+    shared: Shared<'_>,
     alike: &[&'a Trial],
 ) -> &'a Trial {
     let n = system.len();
@@ -143,7 +176,7 @@ fn lasting<'a>(
         let a = &alike[0].accelerations;
         let place = |i: usize| y[i] + ahead * (y[n + i] + 0.5 * ahead * a[i]);
         let later: Vec<f64> = (0..n).map(place).chain((0..n).map(|i| y[n + i] + ahead * a[i])).collect();
-        let again = |trial: &&Trial| tried(system, (t + ahead, &later), (known, compliance), trial.modes.clone());
+        let again = |trial: &&Trial| tried(system, (t + ahead, &later), shared, trial.modes.clone());
         let trials: Vec<Option<Trial>> = alike.iter().map(again).collect();
         let all: Vec<Trial> = trials.iter().flatten().cloned().collect();
         let lasts = |trial: &Option<Trial>| trial.as_ref().is_some_and(|trial| agrees(trial, &all, None));
@@ -180,13 +213,14 @@ fn known(system: &mut dyn System, situation: &Situation, (k, change): (usize, Ch
     };
     let Kinematics { gap, gap_rate, sliding } = situation.kinematics[k];
     let [gap_is_still, sliding_is_still] = situation.still[k];
+    let jumped_from = change.jumped_from().map(|before| before[k]);
     // What approaches where it is closed lands by its event.
     let rests = situation.closed[k] && gap_is_still;
     let touches = contact.normal.is_none()
         || match (change, struck) {
             (_, Some(after)) => after.rests,
             (Change::Start, _) => present.touches() || rests,
-            (Change::Jump(before), _) if (before[k].gap, before[k].gap_rate) != (gap, gap_rate) => rests,
+            _ if jumped_from.is_some_and(|before| (before.gap, before.gap_rate) != (gap, gap_rate)) => rests,
             (Change::Struck(_), None) => present.touches() || rests,
             _ if happened == Some(ContactEvent::Lands) => situation.closed[k] && (gap_is_still || gap_rate < 0.0),
             _ => present.touches(),
@@ -195,7 +229,7 @@ fn known(system: &mut dyn System, situation: &Situation, (k, change): (usize, Ch
         (Some(ContactEvent::Stops | ContactEvent::Slips), ..) => true,
         (.., Some(after)) => after.rolls,
         (_, Change::Struck(_), None) => sliding_is_still,
-        (_, Change::Jump(before), _) if before[k].sliding != sliding => sliding_is_still,
+        _ if jumped_from.is_some_and(|before| before.sliding != sliding) => sliding_is_still,
         _ => situation.held[k] || sliding_is_still,
     };
     let mut options = Vec::new();
@@ -255,12 +289,15 @@ fn in_order(present: Option<&[ContactMode]>, known: &[Known]) -> Vec<Vec<Contact
 fn tried(
     system: &mut dyn System,
     (t, y): (f64, &[f64]),
-    (known, compliance): (&[Known], &[f64]),
+    Shared { known, compliance, begins }: Shared<'_>,
     modes: Vec<ContactMode>,
 ) -> Option<Trial> {
     let contacts = system.contacts().all.clone();
     let phase = system.contacts().phase(&modes);
     system.set_phase(phase);
+    if begins {
+        begin_at_state(system, t, y);
+    }
     let n = system.len();
     let at = At::packed(t, y, n);
     let rows = system.description().rows.len();

@@ -467,6 +467,7 @@ impl EventLocator {
             if self.scanner.sides[function] == 0.0 && self.scanner.awake(function) {
                 let scale = (self.step, self.scanner.largest(function), hit);
                 self.scanner.leaving[function] = self.sampler.leaves(system, function, (t, y), scale);
+                self.scanner.hold(function);
             }
         }
         Ok(())

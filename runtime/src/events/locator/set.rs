@@ -51,11 +51,12 @@ impl EventLocator {
         for (event, (before, now)) in before.iter().zip(self.values(system, (t, y))).enumerate() {
             if *before != now {
                 let zero = self.sampler.rounding_at(system, event, (t, y));
-                let on = now.is_nan() || now.abs() <= zero;
+                let on = now.is_nan() || now.abs() <= zero || self.scanner.holds(event) && now < 0.0;
                 self.scanner.sides[event] = if on { 0.0 } else { now.signum() };
                 self.scanner.fresh[event] = true;
                 self.scanner.leaving[event] = 0.0;
                 self.scanner.zero[event] = if on { self.surface_of(system, event, (t, y)) } else { 0.0 };
+                self.scanner.hold(event);
             }
         }
         Ok(())

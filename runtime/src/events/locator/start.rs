@@ -11,11 +11,14 @@ impl EventLocator {
             let zero = self.sampler.zero_at_start(system, event, (t, y), step);
             self.sampler.at_state(system, t, y);
             let value = self.sampler.value(event);
+            // A force that holds was decided to be within its limits: what it is beyond them is rounding.
+            let zero = if self.scanner.holds(event) { zero.max(-value) } else { zero };
             let on = value.is_nan() || value.abs() <= zero;
             self.scanner.sides[event] = if on { 0.0 } else { value.signum() };
             self.scanner.zero[event] = zero;
             self.scanner.leaving[event] =
                 if on { self.sampler.leaves_at_start(system, (event, zero), (t, y), span) } else { 0.0 };
+            self.scanner.hold(event);
         }
     }
 
