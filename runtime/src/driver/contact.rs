@@ -4,7 +4,7 @@ use super::Integration;
 use super::phase::Done;
 use crate::cause::Cause;
 use crate::constrain::{Change, Kinematics, Moment, Strike, VelocityJump, kinematics, settle, strike};
-use crate::events::{Log, begin_at};
+use crate::events::{Log, begin_at, begin_at_state};
 use crate::mechanism::{At, ContactEvent, System};
 use crate::run::Recorder;
 
@@ -69,7 +69,7 @@ impl Integration {
     ) -> Result<(), Box<Cause>> {
         if !before.is_empty() {
             begin_at(system, self.clock.now(), self.stepper.start().y);
-            self.settle_after(system, Change::ByHand(before), recorder)?;
+            self.settle_after(system, Change::ByHand(before, begin_at_state), recorder)?;
         }
         Ok(())
     }

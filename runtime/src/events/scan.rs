@@ -188,6 +188,11 @@ impl Scanner {
         self.largest[function].max(self.size[function])
     }
 
+    /// Whether a function stayed within a `part` of the largest that it had, in the step that was scanned last.
+    pub fn has_not_left(&self, function: usize, part: f64) -> bool {
+        self.size[function] <= part * self.largest(function)
+    }
+
     /// The sides at the end of the step become those at the start of the next.
     pub fn advance(&mut self, t: f64) {
         self.largest.iter_mut().zip(&self.size).for_each(|(largest, size)| *largest = largest.max(*size));

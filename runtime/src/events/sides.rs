@@ -21,7 +21,7 @@ pub(crate) fn begin_at<S: System + ?Sized>(system: &mut S, t: f64, y: &[f64]) {
 /// Forgets on which sides the switches were, and puts all of them where they are at a state in which a motion begins: those on their surface
 /// where the accelerations in the phase in force move them. No step is tried yet. Where no sides are found, switches of the state stay at their
 /// zero: who begins the motion says why.
-pub(crate) fn begin_at_state<S: System + ?Sized>(system: &mut S, t: f64, y: &[f64]) {
+pub(crate) fn begin_at_state(system: &mut dyn System, t: f64, y: &[f64]) {
     if system.description().switches.is_empty() {
         return;
     }

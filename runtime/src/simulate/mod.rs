@@ -40,7 +40,7 @@ use crate::cause::{Cause, NoSeries};
 use crate::constrain::{self, Change, Elsewhere, Moment, consistent, other_branch, settle};
 use crate::driver::{Integration, StepPolicy};
 use crate::error::Error;
-use crate::events::{Ticks, begin_at};
+use crate::events::{Ticks, begin_at, begin_at_state};
 use crate::integrate::Tolerance;
 use crate::mechanism::{Action, Enforcement, Method, RowHistory, Stabilisation, System};
 use crate::run::{Failure, Plan, Recorder, Run};
@@ -150,7 +150,7 @@ fn first_phase(system: &mut dyn System, settings: &Settings) -> Result<usize, Bo
     let guess = set_up(system, settings);
     let held = settings.held();
     let y = consistent(system, &start_of(settings, &guess, &held))?;
-    settle(system, &Moment { t: settings.from, y: &y, scales: &[], step: 0.0 }, Change::Start)
+    settle(system, &Moment { t: settings.from, y: &y, scales: &[], step: 0.0 }, Change::Start(begin_at_state))
 }
 
 /// Makes a mechanism what it is where a run begins, in the state of the settings, which is returned: [q; q'].

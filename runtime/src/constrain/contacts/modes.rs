@@ -7,7 +7,6 @@
 use super::strike::Strike;
 use super::{Kinematics, Moment, Situation, combinations, words};
 use crate::cause::Cause;
-use crate::events::begin_at_state;
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{constraint_matrix, mass_matrix};
 use crate::mechanism::{At, ContactEvent, ContactMode, System};
@@ -19,11 +18,14 @@ const ALIKE: f64 = 1e-8;
 /// So far ahead, in steps, combinations are told apart in which all moves alike: no further than shows a difference.
 const AHEAD: [f64; 3] = [1e-4, 1e-2, 1.0];
 
+/// Puts the discontinuities of the phase in force on the sides to which a motion that begins at a time and a state moves them.
+pub(crate) type PutOnSides = fn(&mut dyn System, f64, &[f64]);
+
 /// Why modes are chosen.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Change<'a> {
-    /// A motion begins.
-    Start,
+    /// A motion begins: nothing is known yet of the sides of its discontinuities, which each combination has for itself.
+    Start(PutOnSides),
     /// An event of this contact happened.
     Event {
         /// The contact.
@@ -36,21 +38,24 @@ pub(crate) enum Change<'a> {
     /// Forces jumped, and maybe speeds and places, which were these.
     Jump(&'a [Kinematics]),
     /// The same by a change by hand, after which a motion begins.
-    ByHand(&'a [Kinematics]),
+    ByHand(&'a [Kinematics], PutOnSides),
 }
 
 impl<'a> Change<'a> {
     /// How the sides of contacts were placed and moved before a jump.
     fn jumped_from(self) -> Option<&'a [Kinematics]> {
         match self {
-            Change::Jump(before) | Change::ByHand(before) => Some(before),
+            Change::Jump(before) | Change::ByHand(before, _) => Some(before),
             _ => None,
         }
     }
 
-    /// Whether a motion begins, so that nothing is known yet of the sides of the discontinuities.
-    fn begins(self) -> bool {
-        matches!(self, Change::Start | Change::ByHand(_))
+    /// Where a motion begins, what puts its discontinuities on their sides.
+    fn begins(self) -> Option<PutOnSides> {
+        match self {
+            Change::Start(put_on_sides) | Change::ByHand(_, put_on_sides) => Some(put_on_sides),
+            _ => None,
+        }
     }
 }
 
@@ -60,8 +65,8 @@ struct Shared<'a> {
     known: &'a [Known],
     /// J M⁻¹ Jᵀ of each row by itself.
     compliance: &'a [f64],
-    /// Whether a motion begins: each combination then has its own sides of the discontinuities, those to which it moves.
-    begins: bool,
+    /// Where a motion begins, what puts the discontinuities on their sides under a combination.
+    begins: Option<PutOnSides>,
 }
 
 /// What is tried under one combination.
@@ -102,7 +107,7 @@ pub(crate) fn settle(system: &mut dyn System, moment: &Moment<'_>, change: Chang
     let situation = Situation::new(system, moment);
     let (t, y) = (moment.t, moment.y);
     let overlaps = |k: &usize| situation.kinematics[*k].gap < 0.0 && !situation.closed[*k];
-    if (matches!(change, Change::Start) || change.jumped_from().is_some())
+    if (matches!(change, Change::Start(_)) || change.jumped_from().is_some())
         && let Some(k) = (0..situation.kinematics.len()).find(overlaps)
     {
         let contact = system.contacts().all[k].name.to_string();
@@ -114,7 +119,7 @@ pub(crate) fn settle(system: &mut dyn System, moment: &Moment<'_>, change: Chang
     let compliance = compliance(system, At::packed(t, y, system.len()));
     let shared = Shared { known: &known, compliance: &compliance, begins: change.begins() };
     let modes_before = system.modes().to_vec();
-    let before_it = (!matches!(change, Change::Start)).then_some(situation.modes.as_slice());
+    let before_it = (!matches!(change, Change::Start(_))).then_some(situation.modes.as_slice());
     for modes in in_order(before_it, &known) {
         trials.extend(tried(system, (t, y), shared, modes));
     }
@@ -148,7 +153,7 @@ pub(crate) fn settle(system: &mut dyn System, moment: &Moment<'_>, change: Chang
             one_motion.then(|| lasting(system, moment, shared, &same))
         }
     };
-    if change.begins() {
+    if change.begins().is_some() {
         system.set_modes(&modes_before);
     }
     let Some(chosen) = chosen else {
@@ -219,7 +224,7 @@ fn known(system: &mut dyn System, situation: &Situation, (k, change): (usize, Ch
     let touches = contact.normal.is_none()
         || match (change, struck) {
             (_, Some(after)) => after.rests,
-            (Change::Start, _) => present.touches() || rests,
+            (Change::Start(_), _) => present.touches() || rests,
             _ if jumped_from.is_some_and(|before| (before.gap, before.gap_rate) != (gap, gap_rate)) => rests,
             (Change::Struck(_), None) => present.touches() || rests,
             _ if happened == Some(ContactEvent::Lands) => situation.closed[k] && (gap_is_still || gap_rate < 0.0),
@@ -252,7 +257,7 @@ fn known(system: &mut dyn System, situation: &Situation, (k, change): (usize, Ch
         options.push(ContactMode::Open);
     }
     // What it does now is tried first; what was open, or nothing is known of, is closed if it may be.
-    let kept = |mode: &ContactMode| *mode == present && present.touches() && !matches!(change, Change::Start);
+    let kept = |mode: &ContactMode| *mode == present && present.touches() && !matches!(change, Change::Start(_));
     if let Some(place) = options.iter().position(kept) {
         options[..=place].rotate_right(1);
     }
@@ -295,8 +300,8 @@ fn tried(
     let contacts = system.contacts().all.clone();
     let phase = system.contacts().phase(&modes);
     system.set_phase(phase);
-    if begins {
-        begin_at_state(system, t, y);
+    if let Some(put_on_sides) = begins {
+        put_on_sides(system, t, y);
     }
     let n = system.len();
     let at = At::packed(t, y, n);

@@ -44,6 +44,8 @@ pub(crate) struct EventLocator {
     /// How many restarts in a row came at once, and when the last one was.
     restarts: u32,
     last_restart: f64,
+    /// Whether the last switches that crossed zero had left it by no more than rounding.
+    within_rounding: bool,
     y: Vec<f64>,
 }
 
@@ -83,7 +85,7 @@ const ON: f64 = 1e-10;
 /// The gap of a contact is open where it is more than this part of the largest that it had, or of the sum of its terms: what is less than [`ON`] open,
 /// and closes, lands.
 const OPEN: f64 = 1e-13;
-/// A switch that rests has left its surface when its argument is this part of the largest it had.
+/// A switch has left its surface when its argument is this part of the largest it had.
 const REST: f64 = 1e-12;
 
 impl EventLocator {
@@ -128,6 +130,7 @@ impl EventLocator {
             step: 0.0,
             restarts: 0,
             last_restart: f64::NEG_INFINITY,
+            within_rounding: false,
             y: vec![0.0; 2 * system.len()],
         }))
     }
@@ -392,6 +395,11 @@ impl EventLocator {
         recorder: &mut impl Log,
     ) -> Vec<Fired> {
         self.forget_surfaces();
+        let mut switches =
+            together.iter().map(|crossing| crossing.function).filter(|f| self.sampler.switch(*f).is_some()).peekable();
+        if switches.peek().is_some() {
+            self.within_rounding = switches.all(|function| self.scanner.has_not_left(function, REST));
+        }
         self.scanner.restart();
         self.monitors.forget();
         let mut fired = Vec::new();
@@ -603,8 +611,8 @@ impl EventLocator {
         leaves: Option<(usize, f64)>,
         trial: Trial<'_, S>,
     ) -> Result<(), Box<Cause>> {
-        let instant = AT_ONCE * self.step;
-        self.restarts = if t - self.last_restart <= instant { self.restarts + 1 } else { 0 };
+        let at_once = t - self.last_restart <= AT_ONCE * self.step || self.within_rounding;
+        self.restarts = if at_once { self.restarts + 1 } else { 0 };
         self.last_restart = t;
         self.scanner.restart();
         self.monitors.forget();
