@@ -3,7 +3,7 @@
 //! 1. Discontinuities become modes: look in `switches`.
 //! 2. Sums get one order: look in `expr/sums`.
 //! 3. Lagrange's equations from the energies: look in `lagrange`; masses that change are held meanwhile: look in `changing_mass`.
-//! 4. Virtual power from the bodies: look in `virtual_power`.
+//! 4. Virtual power from the bodies: look in `virtual_power`; along the axes of frames in space: look in `body_axes`.
 //! 5. Momentum balances as linear equations for accelerations and reactions: look in `momentum`.
 //!
 //! 6. Constraints, differentiated as often as accelerations need: look in `constraints`; integrals of those that contain
@@ -14,6 +14,7 @@
 //!
 //! Every derivation gives the same [`Equations`]; `gate` compares them, `lower` picks the cheapest.
 
+mod body_axes;
 pub(crate) mod branches;
 mod changing_mass;
 mod combined;
@@ -35,7 +36,7 @@ use std::collections::BTreeMap;
 use crate::diagnose::catalogue::{mechanics, memory, sections};
 use crate::diagnose::{Place, Problem};
 use crate::expr::{Binary, Forward, Graph, Id, Node, Smooth, Symbol, Unary, canonical_sums, vectors};
-use crate::model::{Input, Load, Model, Rotation, Work};
+use crate::model::{Input, Load, Model, Rotation, Ways, Work};
 use elimination::Eliminated;
 
 pub(crate) use constraints::held_rates;
@@ -141,6 +142,7 @@ fn derived(mut model: Model, eliminating: bool) -> Result<Derivation, Vec<Proble
     }
     if !dynamics.bodies.is_empty() {
         equations.push(virtual_power::equations(&mut model.graph, &dynamics, formed));
+        equations.extend(body_axes::equations(&mut model.graph, &dynamics, formed));
     }
     let mut energies = lagrange::energies(&mut model, &dynamics);
     let (mut switches, signals) = (dynamics.switches.clone(), dynamics.signals.clone());
@@ -216,6 +218,8 @@ pub(crate) struct Dynamics {
 pub(crate) struct Inertial {
     pub mass: Id,
     pub position: Vec<Id>,
+    /// The same in space, along the axes of frames.
+    pub ways: Ways,
     pub rotation: Option<Rotation>,
 }
 
@@ -237,6 +241,7 @@ impl Dynamics {
         for body in &model.bodies {
             roots.push(body.mass);
             roots.extend(&body.position);
+            roots.extend(body.ways.ids());
             roots.extend(body.rotation.iter().flat_map(Rotation::ids));
         }
         roots.extend(model.gravity.iter().flatten());
@@ -267,6 +272,7 @@ impl Dynamics {
             .map(|body| Inertial {
                 mass: take(),
                 position: body.position.iter().map(|_| take()).collect(),
+                ways: body.ways.map(|_| take()),
                 rotation: body.rotation.as_ref().map(|rotation| rotation.map(|_| take())),
             })
             .collect();

@@ -27,7 +27,7 @@ pub(crate) fn equations(graph: &mut Graph, dynamics: &Dynamics, formed: bool) ->
 
 /// The reverse pass; `second` differentiates velocities once more, with or without accelerations.
 fn residual(graph: &mut Graph, dynamics: &Dynamics, second: fn(&mut Graph, &[Id]) -> Vec<Id>) -> Vec<Id> {
-    let mut seeds: Vec<(Id, Id)> = vec![(dynamics.potential, Id::ONE)];
+    let mut seeds: Vec<(Id, Id)> = Vec::new();
     // Of all bodies together, since a body's position mostly contains that of another.
     let attitude = |b: &Inertial| b.rotation.as_ref().map(Rotation::attitude).unwrap_or_default();
     let places = dynamics.bodies.iter().flat_map(|b| b.position.iter().copied().chain(attitude(b)));
@@ -67,7 +67,17 @@ fn residual(graph: &mut Graph, dynamics: &Dynamics, second: fn(&mut Graph, &[Id]
             }
         }
     }
-    // What no body carries: raw kinetic energies, dampers, forces as written.
+    beside_bodies(graph, dynamics, second, seeds)
+}
+
+/// Adds what no body carries: potentials, raw kinetic energies, dampers, forces as written.
+pub(super) fn beside_bodies(
+    graph: &mut Graph,
+    dynamics: &Dynamics,
+    second: fn(&mut Graph, &[Id]) -> Vec<Id>,
+    mut seeds: Vec<(Id, Id)>,
+) -> Vec<Id> {
+    seeds.push((dynamics.potential, Id::ONE));
     if dynamics.raw_kinetic != Id::ZERO {
         seeds.push((dynamics.raw_kinetic, graph.integer(-1)));
     }

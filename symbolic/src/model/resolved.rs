@@ -6,6 +6,7 @@ use super::expression::scope::Scope;
 use super::gimbals::Gimbal;
 use super::motion::Motion;
 use super::rotation::Rotation;
+use super::ways::Ways;
 use crate::diagnose::{Place, Problem};
 use crate::expr::{Graph, Id, Symbol};
 
@@ -298,6 +299,8 @@ pub struct Body {
     pub mass: Id,
     /// Its centre of mass.
     pub position: Vector,
+    /// The same in space, along the axes of the frames along which it is written.
+    pub ways: Ways,
     /// Absent for a particle.
     pub rotation: Option<Rotation>,
     /// Where it is declared.

@@ -18,7 +18,41 @@ pub struct Orientation {
     pub turns: Turns,
     /// How many turns that move stand between the ground and it.
     pub depth: usize,
+    /// Its turns, one after the other, from the ground on.
+    pub stages: Vec<Stage>,
 }
+
+/// One turn of a frame, as seen from what it turns.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stage {
+    /// The new unit vectors along the old axes.
+    pub columns: [[Id; 3]; 3],
+    /// The angular velocity of the new axes against the old ones, along the new ones.
+    pub rate: [Id; 3],
+}
+
+impl Stage {
+    /// Components along the new axes of a vector along the old ones.
+    pub fn turned_back(&self, graph: &mut Graph, vector: &[Id; 3]) -> [Id; 3] {
+        self.columns.map(|column| vectors::dot(graph, &column, vector))
+    }
+
+    /// All its expressions, in an order that [`Stage::map`] keeps.
+    pub fn ids(&self) -> impl Iterator<Item = Id> + '_ {
+        self.columns.iter().flatten().chain(&self.rate).copied()
+    }
+
+    /// With every expression replaced.
+    #[must_use]
+    pub fn map(&self, f: &mut impl FnMut(Id) -> Id) -> Stage {
+        let columns = self.columns.map(|column| column.map(&mut *f));
+        Stage { columns, rate: self.rate.map(f) }
+    }
+}
+
+/// The unit vectors of axes that are not turned.
+pub const UNTURNED: [[Id; 3]; 3] =
+    [[Id::ONE, Id::ZERO, Id::ZERO], [Id::ZERO, Id::ONE, Id::ZERO], [Id::ZERO, Id::ZERO, Id::ONE]];
 
 /// A turn about one axis.
 #[derive(Clone, Copy, Debug)]
@@ -38,14 +72,14 @@ impl Turn {
 impl Orientation {
     /// Of the ground.
     pub fn ground() -> Orientation {
-        let unit = |k: usize| std::array::from_fn(|i| if i == k { Id::ONE } else { Id::ZERO });
         Orientation {
-            axes: std::array::from_fn(unit),
+            axes: UNTURNED,
             own_velocity: [Id::ZERO; 3],
             velocity: [Id::ZERO; 3],
             rotations: Vec::new(),
             turns: Turns::none(),
             depth: 0,
+            stages: Vec::new(),
         }
     }
 
@@ -61,12 +95,16 @@ impl Orientation {
             (graph.add(ca, sb), graph.sub(cb, sa))
         };
         let mut new = self.clone();
+        let mut stage = Stage { columns: UNTURNED, rate: [Id::ZERO; 3] };
         for m in 0..3 {
             (new.axes[i][m], new.axes[j][m]) = mixed(self.axes[i][m], self.axes[j][m]);
+            (stage.columns[i][m], stage.columns[j][m]) = mixed(UNTURNED[i][m], UNTURNED[j][m]);
         }
         (new.own_velocity[i], new.own_velocity[j]) = mixed(self.own_velocity[i], self.own_velocity[j]);
         new.own_velocity[k] = graph.add(self.own_velocity[k], rate);
         new.spun(graph, rate, &self.axes[k]);
+        stage.rate[k] = rate;
+        new.stages.push(stage);
         new
     }
 
@@ -95,6 +133,7 @@ impl Orientation {
         });
         let mut new = Orientation { axes, own_velocity, ..self.clone() };
         new.spun(graph, rate, &axis);
+        new.stages.push(Stage { columns, rate: n.map(|component| graph.mul(rate, component)) });
         new
     }
 
@@ -119,13 +158,16 @@ impl Orientation {
     }
 
     fn ids(&self) -> impl Iterator<Item = Id> + '_ {
-        self.axes.iter().flatten().chain(&self.own_velocity).chain(&self.velocity).copied()
+        let whole = self.axes.iter().flatten().chain(&self.own_velocity).chain(&self.velocity).copied();
+        whole.chain(self.stages.iter().flat_map(Stage::ids))
     }
 
     fn map(&self, f: &mut impl FnMut(Id) -> Id) -> Orientation {
         let axes = self.axes.map(|axis| axis.map(&mut *f));
         let own_velocity = self.own_velocity.map(&mut *f);
-        Orientation { axes, own_velocity, velocity: self.velocity.map(f), ..self.clone() }
+        let velocity = self.velocity.map(&mut *f);
+        let stages = self.stages.iter().map(|stage| stage.map(f)).collect();
+        Orientation { axes, own_velocity, velocity, stages, ..self.clone() }
     }
 }
 
@@ -340,6 +382,16 @@ impl Orientation {
             graph.add(before, own[k])
         });
         let velocity = std::array::from_fn(|m| graph.add(self.velocity[m], outer[m]));
-        Orientation { axes, own_velocity, velocity, turns: Turns::none(), depth: self.depth + 1, ..self.clone() }
+        let mut stages = self.stages.clone();
+        stages.push(Stage { columns, rate: own });
+        Orientation {
+            axes,
+            own_velocity,
+            velocity,
+            turns: Turns::none(),
+            depth: self.depth + 1,
+            stages,
+            ..self.clone()
+        }
     }
 }

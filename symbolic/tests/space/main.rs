@@ -1,5 +1,6 @@
 //! Rigid bodies in space: frames, moments of inertia, loads, balances; what is accepted and what is refused.
 
+mod body_axes;
 mod claims;
 mod faults;
 mod homogeneity;

@@ -16,6 +16,7 @@ use crate::expr::{Forward, Graph, Id, Symbol};
 use crate::file::{Text, Written};
 use crate::language::Ast;
 use crate::model::resolved::Tried;
+use crate::model::ways::WrittenAlong;
 
 type Rate = fn(&mut Graph, Symbol) -> Id;
 type Partial = Box<dyn Fn(&mut Graph, Symbol) -> Id>;
@@ -43,6 +44,8 @@ pub struct ExprBuilder {
     pub integrals: Vec<Tried>,
     /// Squares of the lengths of axes, which no scene may make 0.
     pub lengths: Vec<(Id, Place)>,
+    /// Along the axes of which frames vectors are written.
+    pub along: WrittenAlong,
     work: u64,
     exhausted: bool,
     /// Texts that raised problems, by the place of their trees, which are kept so that the places stay theirs.
@@ -66,6 +69,7 @@ impl ExprBuilder {
             settings: Vec::new(),
             integrals: Vec::new(),
             lengths: Vec::new(),
+            along: WrittenAlong::default(),
             work: 0,
             exhausted: false,
             failed: HashMap::new(),

@@ -91,7 +91,10 @@ impl<'a> Lower<'a> {
             }
             AstKind::Negate(inner) => {
                 let value = self.expression(inner);
-                value.map(|x| self.builder.graph.neg(x))
+                let negated = value.map(|x| self.builder.graph.neg(x));
+                let ExprBuilder { graph, along, .. } = &mut *self.builder;
+                along.mapped(graph, [value.components(), negated.components()], |graph, x| graph.neg(x));
+                negated
             }
             AstKind::Binary(operator, left, right) => {
                 let left = self.expression(left);
@@ -223,6 +226,7 @@ impl<'a> Lower<'a> {
             }
         };
         if let Some(value) = joined {
+            self.note_along(operator, [&left, &right, &value]);
             return value;
         }
         let place = self.place(whole.span);
@@ -245,6 +249,24 @@ impl<'a> Lower<'a> {
             }
         };
         self.refuse(problem)
+    }
+
+    /// Remembers along which frames a vector is written.
+    fn note_along(&mut self, operator: Operator, [left, right, value]: [&Value; 3]) {
+        let ExprBuilder { graph, along, .. } = &mut *self.builder;
+        match (operator, left, right, value) {
+            (Operator::Add | Operator::Subtract, Value::Vector(a), Value::Vector(b), Value::Vector(sum)) => {
+                along.sum(graph, [a, b, sum], operator == Operator::Subtract);
+            }
+            (Operator::Multiply, Value::Scalar(s), Value::Vector(from), Value::Vector(to))
+            | (Operator::Multiply, Value::Vector(from), Value::Scalar(s), Value::Vector(to)) => {
+                along.mapped(graph, [from, to], |graph, x| graph.mul(*s, x));
+            }
+            (Operator::Divide, Value::Vector(from), Value::Scalar(s), Value::Vector(to)) => {
+                along.mapped(graph, [from, to], |graph, x| graph.div(x, *s));
+            }
+            _ => {}
+        }
     }
 
     fn power(&mut self, base: Value, exponent: Value, whole: &Ast) -> Value {
@@ -326,7 +348,10 @@ impl<'a> Lower<'a> {
             }
             let term = self.expression(body);
             total = match value::add(&mut self.builder.graph, &total, &term, false) {
-                Some(value) => value,
+                Some(value) => {
+                    self.note_along(Operator::Add, [&total, &term, &value]);
+                    value
+                }
                 None => return Value::Poison,
             };
             // A mistake in the terms is told once.

@@ -274,7 +274,10 @@ impl Lower<'_> {
         };
         let angle = match self.item(item) {
             Value::Scalar(angle) => angle,
-            Value::Orientation(frame) => return Value::Vector(frame.axes[usize::from(axis)].to_vec()),
+            Value::Orientation(frame) => {
+                self.builder.along.axis(&frame, usize::from(axis));
+                return Value::Vector(frame.axes[usize::from(axis)].to_vec());
+            }
             _ => return Value::Poison,
         };
         let graph = &mut self.builder.graph;

@@ -86,7 +86,8 @@ impl Resolver<'_> {
                 _ => None,
             });
             self.kinetic_energy(mass, &position, rotation.as_ref());
-            self.model.bodies.push(Body { name, mass, position, rotation, place: body.text.place.clone() });
+            let ways = self.builder.along.ways(&position);
+            self.model.bodies.push(Body { name, mass, position, ways, rotation, place: body.text.place.clone() });
         }
         self.changing_masses(declared);
         self.radial_energy();
