@@ -134,6 +134,7 @@ impl Recorder {
             digits: None,
             parts: Vec::new(),
             memory: Vec::new(),
+            memory_at_start: Vec::new(),
             ticks: Vec::new(),
             resumed: None,
             sampling: Arc::new(system.sampling().clone()),
@@ -280,6 +281,9 @@ impl Recorder {
     pub fn begin_piece(&mut self, system: &dyn System, t: f64, start: Endpoint<'_>) {
         if let Some(projection) = &mut self.projection {
             projection.hold(system, t, start.y);
+        }
+        if t == self.start {
+            self.run.memory_at_start = system.memory().to_vec();
         }
         if self.keep_dense {
             self.run.trajectory.begin(t, start.y, start.rate);

@@ -10,7 +10,7 @@ use crate::cause::Cause;
 use crate::constrain::Projection;
 use crate::driver::Followed;
 use crate::error::Error;
-use crate::events::begin_at;
+use crate::events::{Ticks, begin_at};
 use crate::integrate::order;
 use crate::mechanism::dense::{constraint_triples, sizes_alike};
 use crate::mechanism::{Action, Argument, At, Method, Role, System, Watched};
@@ -311,6 +311,8 @@ fn alike(system: &mut dyn System, settings: &Settings, run: &Run) -> Settings {
     if let Some((_, phase)) = run.phases.iter().take_while(|(t, _)| *t == settings.from).last() {
         other.phase = *phase;
     }
+    other.memory = Some(run.memory_at_start.clone());
+    other.ticks = Some(Ticks::new(system, settings.from, settings.ticks.as_deref()).next_after(settings.from));
     // A kick at the very end says nothing of the way there.
     let kicked = run.len() > 1 && run.impulses.last().is_some_and(|impulse| run.times.last() == Some(&impulse.t));
     let rows = &run.rows[..2 * n * (run.len() - usize::from(kicked))];

@@ -13,6 +13,7 @@ mod gimbal_lock;
 mod pictures;
 mod printing;
 mod reactions;
+mod second_runs;
 mod slow;
 mod warnings;
 mod zero;
