@@ -1,6 +1,6 @@
 //! Second runs that began otherwise than the first went on: digits that were lost, and advice that did not fit.
 
-use dalembert::Run;
+use dalembert::{Run, Warning};
 
 use super::case;
 
@@ -37,4 +37,53 @@ fn a_tick_at_the_start_happened_twice_in_a_second_run() {
     assert!(
         (later.last()["z"] - (-0.4_f64).exp()).abs() < 1e-10 && later.digits("z").is_some_and(|digits| digits >= 9)
     );
+}
+
+/// A ball between walls that touches where it starts and is not held there.
+const BETWEEN: &str = r#"
+name: Between
+parameters: {m: 1 kg, g: 10 m/s^2, e: 1 1, a: 2 m, b: 1 m}
+coordinates: {x: m, y: m}
+bodies: {ball: {mass: m, position: "[x, y]"}}
+gravity: [0, -g]
+contacts:
+  left: {gap: x, on: ball, normal: "[1, 0]", restitution: e}
+  right: {gap: a - x, on: ball, normal: "[-1, 0]", restitution: e}
+  down: {gap: y, on: ball, normal: "[0, 1]", restitution: e}
+  up: {gap: b - y, on: ball, normal: "[0, -1]", restitution: e}
+impacts: sequential
+scene: {start: {x: 0, y: 1}, until: 0.4, tolerance: 1e-11}
+"#;
+
+#[test]
+fn a_second_run_began_inside_a_wall() {
+    // It falls from the ceiling along a wall; is thrown from the corner; and, as before, from where nothing touches.
+    let fall = |t: f64, y: f64, v: f64| y + v * t - 5.0 * t * t;
+    for (start, g, [x, y]) in [
+        ("{x: 0, y: 1}", "10", [0.0, fall(0.4, 1.0, 0.0)]),
+        ("{x: 0, y: 1, x': 2}", "10", [0.8, fall(0.4, 1.0, 0.0)]),
+        ("{x: 0, y: 0, x': -2, y': -1}", "0", [0.8, 0.4]),
+        ("{x: 0, y: 0, x': 2, y': 3}", "10", [0.8, fall(0.4, 0.0, 3.0)]),
+        ("{x: 2, y: 1, x': 2, y': 2}", "0", [1.2, 0.2]),
+        ("{x: 0.5, y: 0.9, x': 2}", "10", [1.3, fall(0.4, 0.9, 0.0)]),
+    ] {
+        let text = BETWEEN.replace("{x: 0, y: 1}", start).replace("g: 10", &format!("g: {g}"));
+        let run = judged(&text);
+        let last = run.last();
+        assert!((last["x"] - x).abs() < 1e-10 && (last["y"] - y).abs() < 1e-10, "{start}: {} {}", last["x"], last["y"]);
+        let digits = ["x", "y"].map(|name| run.digits(name).filter(|_| last[name] != 0.0));
+        assert!(digits.iter().flatten().all(|digits| *digits >= 9), "{start}: {digits:?}");
+        assert!(run.warnings.is_empty(), "{start}: {:?}", run.warnings);
+    }
+}
+
+/// A pendulum that starts upright but for a rounding: no second run may agree.
+#[test]
+fn a_start_that_is_unstable_is_still_told() {
+    let run = judged(
+        "name: Upright\nparameters: {m: 1 kg, l: 1 m, g: 10 m/s^2}\ncoordinates: {theta: rad}\n\
+         bodies: {bob: {mass: m, position: \"l*[sin(theta), -cos(theta)]\"}}\ngravity: [0, -g]\n\
+         scene: {start: {theta: pi, theta': 0}, until: 20, tolerance: 1e-11}\n",
+    );
+    assert!(run.warnings.iter().any(|warning| matches!(warning, Warning::DigitsLost { .. })), "{:?}", run.warnings);
 }
