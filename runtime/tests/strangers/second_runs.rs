@@ -87,3 +87,23 @@ fn a_start_that_is_unstable_is_still_told() {
     );
     assert!(run.warnings.iter().any(|warning| matches!(warning, Warning::DigitsLost { .. })), "{:?}", run.warnings);
 }
+
+#[test]
+fn an_impact_at_a_reported_time_took_all_digits() {
+    // Thrown up at 3 m/s, with e = 1/2 back at 0.6 s and 0.9 s, which are reported times; 0.1 s after the second landing v = 0.75 − 1.
+    let ball = "name: Ball\nparameters: {m: 1 kg, g: 10 m/s^2, e: 0.5 1}\ncoordinates: {y: m}\n\
+                bodies: {b: {mass: m, position: \"[0, y]\"}}\ngravity: [0, -g]\n\
+                contacts: {floor: {gap: y, on: b, normal: \"[0, 1]\", restitution: e}}\n\
+                scene: {start: {y: 0, y': 3}, until: 1, tolerance: 1e-11}\n";
+    for every in ["0.1", "0.002", "0.037"] {
+        let run = judged(&ball.replace("until: 1", &format!("until: 1, every: {every}")));
+        let last = run.last();
+        assert!((last["y"] - 0.025).abs() < 1e-12 && (last["y'"] + 0.25).abs() < 1e-12, "{every}");
+        let digits = ["y", "y'"].map(|name| run.digits(name).expect("digits"));
+        assert!(digits.iter().all(|digits| *digits >= 8), "every {every}: {digits:?}");
+        assert!(run.warnings.is_empty(), "every {every}: {:?}", run.warnings);
+    }
+    // A run that ends at a landing has either speed, as before.
+    let until = judged(&ball.replace("until: 1", "until: 0.9"));
+    assert!(until.errors("y'").and_then(|errors| errors.last().copied()).is_some_and(|error| error > 1.0));
+}
