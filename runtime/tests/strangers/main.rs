@@ -8,6 +8,7 @@ mod control;
 mod equilibria;
 mod events;
 mod extremes;
+mod false_alarms;
 mod gaps;
 mod gimbal_lock;
 mod pictures;
