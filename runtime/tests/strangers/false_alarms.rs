@@ -2,7 +2,9 @@
 
 use std::fs;
 
-use super::{folder, program};
+use dalembert::Warning;
+
+use super::{case, folder, program};
 
 /// What `simulate` prints of a model file's text.
 fn simulated(name: &str, text: &str) -> String {
@@ -31,4 +33,25 @@ fn the_time_of_an_event_that_leaves_its_function_at_zero_was_unknown() {
     let printed = simulated("flat", flat);
     let digits = printed.lines().find_map(|line| line.trim().strip_prefix("event zero at t = ")).expect("an event");
     assert!(digits.len() < 9, "{digits}");
+}
+
+#[test]
+fn what_set_what_ended_a_run_was_said_to_lie_near_its_end() {
+    let relay = "name: Relay\nparameters: {m: 1 kg, F: 3 N, h: 0.1 m}\ncoordinates: {x: m}\nmemory: {s: 1, n: 0}\n\
+                 bodies: {p: {mass: m, position: \"[x, 0]\"}}\nforces: {f: {on: p, force: \"[s*F, 0]\"}}\n\
+                 events:\n  up: {when: x - h, direction: rising, then: {set: {s: -1, n: n + 1}}}\n  \
+                 fin: {on_set: n, if: n - 0.5, then: stop}\n\
+                 scene: {start: {x: 0}, until: 10, tolerance: 1e-12}\n";
+    let mut stops = case(relay);
+    stops.settings.digits = true;
+    let run = stops.run();
+    // h = F t²/2m.
+    assert!((run.last().t - (0.2_f64 / 3.0).sqrt()).abs() < 1e-12);
+    assert!(run.warnings.is_empty(), "{:?}", run.warnings);
+    // An end that a time is, and not what happens there, may be just before or just after it.
+    let mut near = case(&relay.replace("then: stop", "then: {set: {s: -1}}"));
+    near.settings.digits = true;
+    near.settings.until = run.last().t * (1.0 + 1e-15);
+    let near = near.run();
+    assert!(near.warnings.iter().any(|warning| matches!(warning, Warning::EventNearEnd { .. })), "{:?}", near.warnings);
 }
