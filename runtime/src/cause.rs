@@ -158,6 +158,11 @@ pub enum Cause {
         /// When it is reached, s.
         t: f64,
     },
+    /// What is set at one instant lets events that follow it set again, without an end.
+    EndlessSets {
+        /// The first of the events that follow.
+        event: String,
+    },
     /// Both sides of a discontinuity push back to it, and the motion cannot stay there: the sides differ in no rate of its argument.
     Chattering {
         /// The discontinuity's argument, as the model file has it.
@@ -304,6 +309,7 @@ impl Cause {
             Cause::EndlessImpacts { .. } => "endless impacts",
             Cause::ImpactGainsEnergy { .. } => "impact gains energy",
             Cause::CoordinateSingularity { .. } => "coordinate singularity",
+            Cause::EndlessSets { .. } => "endless sets",
             Cause::Chattering { .. } => "chattering",
             Cause::Sliding { .. } => "sliding",
             Cause::DirectionLost { .. } | Cause::EndsMeet { .. } => "direction lost",
@@ -448,6 +454,11 @@ impl fmt::Display for Cause {
                 "coordinate singularity: `{coordinate}` cannot describe the motion beyond t = {t} s, where its inertia \
                  grows without bound; choose another coordinate, such as an angle",
                 t = short(*t)
+            ),
+            Cause::EndlessSets { event } => write!(
+                f,
+                "endless sets: `{event}` follows what is set at one instant (`on_set`) again and again; let it set nothing that brings it \
+                 about again, or have an `if` that comes to an end"
             ),
             Cause::Chattering { switch } => write!(
                 f,

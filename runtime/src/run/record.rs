@@ -39,6 +39,8 @@ pub(crate) struct Recorder {
     dense_is_free: bool,
     until: f64,
     monitor: Option<Monitor>,
+    /// Whether the equations, or the state, are being changed.
+    changes: bool,
     guard: Option<InertiaGuard>,
     gimbals: Option<GimbalGuard>,
     condition: Option<ConditionMonitor>,
@@ -170,6 +172,7 @@ impl Recorder {
             dense_is_free: plan.dense_is_free,
             until: plan.until,
             monitor: plan.watch.then(|| Monitor::new(system, t, y, start.work)),
+            changes: false,
             guard: InertiaGuard::new(system, t, y),
             gimbals: GimbalGuard::new(system, t, y, plan.tolerance),
             condition: ConditionMonitor::new(system, t, y),
@@ -245,6 +248,7 @@ impl Recorder {
 
     /// Takes note of the state before other equations come into force.
     pub fn leave(&mut self, system: &dyn System, t: f64, start: Endpoint<'_>) {
+        self.changes = true;
         if let Some(monitor) = &mut self.monitor {
             monitor.leave(system, t, start.y);
         }
@@ -264,6 +268,7 @@ impl Recorder {
     /// Takes note of new equations in force: dense output does not reach across, and what they do to the energy is no
     /// error of the integration.  A state that was reported at this instant is the one after it.
     pub fn restart(&mut self, system: &dyn System, t: f64, start: Endpoint<'_>) {
+        self.changes = false;
         if let Some(monitor) = &mut self.monitor {
             monitor.restart(system, t, start.y);
         }
@@ -478,6 +483,10 @@ impl Recorder {
         self.report(system, t, end.y);
         self.run.scenery.keep(system, self.run.trajectory.end());
         if let Some(mut monitor) = self.monitor.take() {
+            // A run may fail amid what an event does, which is no error of the integration either.
+            if self.changes {
+                monitor.restart(system, t, end.y);
+            }
             let (_, scale) = monitor.observe(system, t, end.y, end.work);
             // What is nothing beside the energies of the motion is rounding before it has begun.
             let jump = self.jumps.iter().find(|(_, _, then)| *then > NOTHING * scale).copied();

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use dalembert::Warning;
+use dalembert::{Cause, Error, Warning};
 
 use super::{case, folder, program};
 
@@ -54,4 +54,30 @@ fn what_set_what_ended_a_run_was_said_to_lie_near_its_end() {
     near.settings.until = run.last().t * (1.0 + 1e-15);
     let near = near.run();
     assert!(near.warnings.iter().any(|warning| matches!(warning, Warning::EventNearEnd { .. })), "{:?}", near.warnings);
+}
+
+/// A point that strikes, and what counts the impacts.
+const COUNTED: &str = r#"
+name: Counted
+parameters: {m: 1 kg, e: 0.5, d: 0.5 m}
+coordinates: {x: m}
+memory: {h: 0, k: 0}
+bodies: {p: {mass: m, position: "[x, 0]"}}
+constraints: {wall: x - d}
+phases: {fly: [], rest: [wall]}
+events:
+  hit: {when: x - d, direction: rising, phase: fly, then: [{impact: e, along: wall}, {set: {h: h + 1}}]}
+  follow: {on_set: h, then: {set: {k: k + 10}}}
+scene: {start: {x: 0, x': 1}, until: 2, tolerance: 1e-11}
+"#;
+
+#[test]
+fn sets_that_follow_each_other_without_end_were_called_dry_friction() {
+    let Err(Error::Run(failure)) = case(&COUNTED.replace("k: k + 10", "h: h + 10")).try_run() else { panic!("an end") };
+    assert_eq!(failure.cause, Cause::EndlessSets { event: "follow".to_owned() });
+    // What the impact took is no error of the integration.
+    assert!(failure.run.energy_balance.is_some_and(|drift| drift < 1e-12), "{:?}", failure.run.energy_balance);
+    assert!(failure.run.warnings.is_empty(), "{:?}", failure.run.warnings);
+    let run = case(COUNTED).run();
+    assert!((run.last()["x"] + 0.25).abs() < 1e-12 && run.memory("k") == Some(10.0));
 }
