@@ -81,3 +81,31 @@ fn sets_that_follow_each_other_without_end_were_called_dry_friction() {
     let run = case(COUNTED).run();
     assert!((run.last()["x"] + 0.25).abs() < 1e-12 && run.memory("k") == Some(10.0));
 }
+
+/// A block on a plane that turns, at the limit of its friction.
+const TURNING: &str = r#"
+name: Turning
+parameters: {m: 1 kg, g: 9.81 m/s^2, al: 0.1 rad, w: 0.1 rad/s}
+coordinates: {s: m, n: m}
+inputs: {tilt: al + w*t}
+frames: {B: {angle: tilt}}
+bodies: {p: {mass: m, position: "s*B.x + n*B.y"}}
+gravity: [0, -g]
+constraints: {plane: n}
+friction: {rub: {rate: s', on: p, along: B.x, limit: "tan(al)*reaction(plane)"}}
+scene: {start: {s: 1e-6, s': 0}, until: 1, tolerance: 1e-12}
+"#;
+
+#[test]
+fn an_event_that_was_listed_was_said_to_be_not_counted() {
+    for al in ["0.1", "0.2", "0.5"] {
+        let run = case(&TURNING.replace("al: 0.1", &format!("al: {al}"))).run();
+        assert_eq!(run.events.len(), 1, "{al}");
+        assert!(run.events[0].name == "rub slips" && run.warnings.is_empty(), "{al}: {:?}", run.warnings);
+    }
+    // A function that jumps over zero is still no event.
+    let jumps = "name: Jumps\ncoordinates: {x: m}\nparameters: {m: 1 kg, d: 1 m}\nbodies: {b: {mass: m, position: \"[x, 0]\"}}\n\
+                 events: {over: {when: step(x - d) - 0.5, then: record}}\nscene: {start: {x: 0, x': 1}, until: 2, tolerance: 1e-10}\n";
+    let run = case(jumps).run();
+    assert!(run.events.is_empty() && run.warnings.iter().any(|warning| matches!(warning, Warning::NoCrossing { .. })));
+}
