@@ -109,3 +109,30 @@ fn an_event_that_was_listed_was_said_to_be_not_counted() {
     let run = case(jumps).run();
     assert!(run.events.is_empty() && run.warnings.iter().any(|warning| matches!(warning, Warning::NoCrossing { .. })));
 }
+
+/// A block on rough ground that springs bring to rest, in units of its own.
+const SCALED: &str = r#"
+name: Scaled
+parameters: {S: 1, Q: 1, m: 1 kg, g0: 10 m/s^2, v0: 3 m/s, mu: 0.2, k0: 4 N/m, g: g0*S/Q^2, v: v0*S/Q, k: k0/Q^2}
+coordinates: {x: m, y: m}
+bodies: {b: {mass: m, position: "[x, y]"}}
+gravity: [0, -g]
+forces: {spring: {on: b, force: "[-k*x, 0]"}}
+contacts: {floor: {gap: y, on: b, normal: "[0, 1]", friction: mu, restitution: 0.5 1}}
+scene: {start: {x: 0, y: S*1 m, x': v}, until: 5*Q, tolerance: 1e-11}
+"#;
+
+#[test]
+fn what_rests_in_large_units_of_time_had_steps_that_were_too_small() {
+    let digits = |q: &str| {
+        let mut case = case(&SCALED.replace("S: 1, Q: 1", &format!("S: {q}, Q: {q}")));
+        case.settings.digits = true;
+        let run = case.run();
+        let scale: f64 = q.parse().expect("a number");
+        assert!((run.last()["x"] / scale + 0.186_474_581_1).abs() < 1e-9, "{q}: {}", run.last()["x"]);
+        run.digits("x").expect("digits")
+    };
+    for q in ["1", "1e-6", "1e6", "1e9", "1e10"] {
+        assert!(digits(q) >= 9, "{q}: {}", digits(q));
+    }
+}
