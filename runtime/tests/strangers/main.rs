@@ -16,6 +16,7 @@ mod printing;
 mod reactions;
 mod second_runs;
 mod slow;
+mod strikes;
 mod warnings;
 mod zero;
 
