@@ -3,7 +3,7 @@
 use super::set::Assigned;
 use super::{Integration, StopReason};
 use crate::cause::Cause;
-use crate::constrain::{VelocityJump, lasting_rows, possible_restitution, velocity_jump};
+use crate::constrain::{VelocityJump, closed_within, lasting_rows, possible_restitution, velocity_jump};
 use crate::events::{EventLocator, Fired, Impulse, gained};
 use crate::mechanism::dense::impulse_terms;
 use crate::mechanism::{Action, At, Enforcement, System, Trigger};
@@ -357,7 +357,12 @@ impl Integration {
             let entering = active.iter().filter(|row| !before.contains(&(**row as u32)));
             for &row in entering {
                 let known = &system.description().rows[row];
-                if let Some(residual) = projection.misses(row).filter(|_| known.holonomic) {
+                let within = || {
+                    let at = At::packed(now, self.stepper.start().y, system.len());
+                    closed_within(system, at, projection.scales())[row]
+                };
+                let missed = projection.misses(row).filter(|_| known.holonomic);
+                if let Some(residual) = missed.filter(|c| c.is_nan() || c.abs() > within()) {
                     let phase = system.description().phases[phase].name.to_string();
                     return Err(Cause::PhaseMisses { phase, constraint: known.name.to_string(), residual }.into());
                 }

@@ -1,4 +1,4 @@
-//! Impacts that were refused: `static` larger than `friction`.
+//! Impacts that were refused: `static` larger than `friction`, and floors that are faster at once where no length tells what a gap is beside.
 
 use super::case;
 
@@ -46,4 +46,42 @@ fn what_does_not_slide_when_it_strikes_sticks_within_the_friction_of_sticking() 
     for slides in [0.2, 0.5] {
         assert!((ratio(slides) - 0.2).abs() < 1e-9, "{slides}: {}", ratio(slides));
     }
+}
+
+/// A crate on a lift that stands, rises at 1 m/s from t = 1 s on, and stops at t = 2 s.
+const LIFT: &str = r#"
+name: Lift
+parameters: {m: 1 kg, g: 10 m/s^2, h0: 0 m, T: 1 s, s1: 1 s, d: 1 mm}
+coordinates: {y: m}
+tables: {h: {points: [[0, 0], [1, 0], [2, 1], [4, 1]], units: [s, m], smooth: 0}}
+inputs: {f: h0 + h(t/T*s1)}
+bodies: {crate: {mass: m, position: "[0, y]"}}
+gravity: [0, -g]
+contacts: {floor: {gap: y - f, on: crate, normal: "[0, 1]"}}
+scene: {start: {y: h0}, until: 3*T, tolerance: 1e-10}
+"#;
+
+#[test]
+fn a_lift_that_rises_at_once_from_zero_was_passed_through() {
+    // Struck by m v at t = T; at 2 T it flies on, for 2 v/g, and strikes with v.
+    for (h0, time) in [("0", 1.0), ("0.5", 1.0), ("0", 0.7), ("0", 1.3)] {
+        let run = case(&LIFT.replace("h0: 0", &format!("h0: {h0}")).replace("T: 1", &format!("T: {time}"))).run();
+        let v: f64 = 1.0 / time;
+        let found: Vec<f64> = run.impulses.iter().map(|impulse| impulse.constraints[0].1).collect();
+        let [first, second] = found.as_slice() else { panic!("{h0} {time}: {found:?}") };
+        assert!((first - v).abs() < 1e-9 && (second - v).abs() < 1e-9, "{h0} {time}: {found:?}");
+        let times: Vec<f64> = run.events.iter().map(|event| event.state.t).collect();
+        let [struck, lifted, landed] = times.as_slice() else { panic!("{h0} {time}: {times:?}") };
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-12;
+        assert!(near(*struck, time) && near(*lifted, 2.0 * time) && near(*landed, 2.0 * time + 0.2 * v), "{times:?}");
+        let h0: f64 = h0.parse().expect("a number");
+        assert!((run.last()["y"] - h0 - 1.0).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn a_floor_that_is_higher_at_once_is_still_refused() {
+    // No force lifts the crate by 1 mm in no time.
+    let jumps = LIFT.replace("h0 + h(t/T*s1)", "h0 + d*step(t - T)");
+    assert!(case(&jumps).try_run().is_err());
 }
