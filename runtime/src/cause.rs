@@ -125,6 +125,26 @@ pub enum Cause {
         /// The combinations that agree.
         found: Vec<String>,
     },
+    /// The limit of a friction is negative, so that it would drive.
+    NegativeLimit {
+        /// The friction or contact.
+        friction: String,
+        /// Its limit, SI, or its coefficient of friction.
+        limit: f64,
+        /// Which of both it is.
+        is_coefficient: bool,
+    },
+    /// The limit of a friction while it sticks is smaller than while it slides.
+    StaticBelowLimit {
+        /// The friction or contact.
+        friction: String,
+        /// The limit, SI, or the coefficient of friction, while it sticks.
+        sticking: f64,
+        /// The same while it slides.
+        sliding: f64,
+        /// Which of both it is.
+        is_coefficient: bool,
+    },
     /// The sides of a contact pass through each other.
     Penetrates {
         /// The contact.
@@ -304,6 +324,8 @@ impl Cause {
             Cause::ConstraintLost { .. } => "constraint lost",
             Cause::PainleveInconsistent { .. } => "inconsistent friction",
             Cause::UndecidedContacts { .. } => "undecided contacts",
+            Cause::NegativeLimit { .. } => "negative limit",
+            Cause::StaticBelowLimit { .. } => "static below limit",
             Cause::Penetrates { .. } => "penetrates",
             Cause::SimultaneousImpacts { .. } => "simultaneous impacts",
             Cause::EndlessImpacts { .. } => "endless impacts",
@@ -424,6 +446,25 @@ impl fmt::Display for Cause {
                  present one (Painlevé); let the contact be less rough, or start with one of them as `phase`",
                 count = found.len(),
                 list = found.join("; ")
+            ),
+            Cause::NegativeLimit { friction, limit, is_coefficient: false } => write!(
+                f,
+                "negative limit: that of `{friction}` is {limit}, and friction with a negative limit drives; a limit is a size: take `abs` or \
+                 `max(0, …)` of what makes it, or, where it is made of a reaction that pushes to both sides, a contact for each side",
+                limit = short(*limit)
+            ),
+            Cause::NegativeLimit { friction, limit, is_coefficient: true } => write!(
+                f,
+                "negative limit: the coefficient of friction of `{friction}` is {limit}, and friction with a negative one drives",
+                limit = short(*limit)
+            ),
+            Cause::StaticBelowLimit { friction, sticking, sliding, is_coefficient } => write!(
+                f,
+                "static below limit: `{friction}` holds up to {sticking} where it sticks (`static`), and rubs with {sliding} where it slides \
+                 (`{key}`), so that it would neither stick nor slide between them; let `static` be no smaller",
+                sticking = short(*sticking),
+                sliding = short(*sliding),
+                key = if *is_coefficient { "friction" } else { "limit" }
             ),
             Cause::Penetrates { contact, gap } => write!(
                 f,

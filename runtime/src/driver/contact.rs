@@ -4,7 +4,7 @@ use super::Integration;
 use super::phase::Done;
 use crate::cause::Cause;
 use crate::constrain::{
-    Change, Kinematics, Moment, Strike, VelocityJump, closed_within, kinematics, settle, strike,
+    Change, Kinematics, Moment, Strike, VelocityJump, closed_within, kinematics, possible_limits, settle, strike,
 };
 use crate::events::{Log, begin_at};
 use crate::mechanism::{At, ContactEvent, System};
@@ -109,8 +109,8 @@ impl Integration {
         Ok(true)
     }
 
-    /// Refuses a motion in which the sides of a contact pass through each other: its event was not seen.
-    pub(super) fn look_at_contacts(&mut self, system: &dyn System) -> Result<(), Box<Cause>> {
+    /// Refuses a motion in which the sides of a contact pass through each other, its event not seen, or in which a limit of friction is none.
+    pub(super) fn look_at_contacts(&mut self, system: &mut dyn System) -> Result<(), Box<Cause>> {
         if system.contacts().all.is_empty() {
             return Ok(());
         }
@@ -125,7 +125,7 @@ impl Integration {
                 return Err(Cause::Penetrates { contact: contact.name.to_string(), gap }.into());
             }
         }
-        Ok(())
+        possible_limits(system, now, y)
     }
 
     /// A contact's coefficient of restitution.

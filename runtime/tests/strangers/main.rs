@@ -11,6 +11,7 @@ mod extremes;
 mod false_alarms;
 mod gaps;
 mod gimbal_lock;
+mod limits;
 mod pictures;
 mod printing;
 mod reactions;

@@ -1,11 +1,14 @@
 //! Friction that sticks and contacts that open by themselves: what all of them do from an instant on.
 //!
 //! 1. What is known of each at the instant, and which combination of modes the forces agree with: look in `modes.rs`.
-//! 2. Impacts of several at once, by a stated law: look in `strike.rs`.
+//! 2. Limits of friction that are none: look in `limits.rs`.
+//! 3. Impacts of several at once, by a stated law: look in `strike.rs`.
 
+mod limits;
 mod modes;
 mod strike;
 
+pub(crate) use limits::possible_limits;
 pub(crate) use modes::{Change, settle};
 pub(crate) use strike::{Strike, strike};
 

@@ -7,6 +7,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::limits::possible_limits_of;
 use super::{Moment, Situation, combinations, lasting_rows, words};
 use crate::cause::Cause;
 use crate::matrix::solve_least;
@@ -113,8 +114,20 @@ pub(crate) fn strike(system: &mut dyn System, moment: &Moment<'_>, slow: &[f64])
     if !collision.approaches(&collision.before) && !collision.hops_are_lost() {
         return Ok(None);
     }
-    let impulses = match system.contacts().law {
-        Some(law) => collision.by(system, law)?,
+    let impulses = struck(system, moment, &collision).map_err(|cause| {
+        // Why nothing is decided may be what the file says of friction.
+        let touches: Vec<bool> =
+            (0..situation.modes.len()).map(|k| situation.modes[k].touches() || situation.closed[k]).collect();
+        possible_limits_of(system, (t, y), &touches).err().unwrap_or(cause)
+    })?;
+    collision.outcome(system, &impulses).map(Some)
+}
+
+/// The impulses by the law that the file states, or by the order of impacts where that does not matter.
+fn struck(system: &mut dyn System, moment: &Moment<'_>, collision: &Collision) -> Result<DVector<f64>, Box<Cause>> {
+    let y = moment.y;
+    match system.contacts().law {
+        Some(law) => collision.by(system, law),
         None => {
             let together = collision.by(system, ImpactLaw::Together)?;
             if collision.sides.len() > 1 {
@@ -134,10 +147,9 @@ pub(crate) fn strike(system: &mut dyn System, moment: &Moment<'_>, slow: &[f64])
                     .into());
                 }
             }
-            together
+            Ok(together)
         }
-    };
-    collision.outcome(system, &impulses).map(Some)
+    }
 }
 
 impl Collision {
