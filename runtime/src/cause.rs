@@ -188,6 +188,11 @@ pub enum Cause {
         /// The discontinuity's argument, as the model file has it.
         switch: String,
     },
+    /// The same of a discontinuity whose argument is of states of first order alone.
+    ChatteringStates {
+        /// The discontinuity's argument, as the model file has it.
+        switch: String,
+    },
     /// The motion stays on a discontinuity, between its two sides, which the method of integration does not know.
     Sliding {
         /// The discontinuity's argument, as the model file has it.
@@ -332,7 +337,7 @@ impl Cause {
             Cause::ImpactGainsEnergy { .. } => "impact gains energy",
             Cause::CoordinateSingularity { .. } => "coordinate singularity",
             Cause::EndlessSets { .. } => "endless sets",
-            Cause::Chattering { .. } => "chattering",
+            Cause::Chattering { .. } | Cause::ChatteringStates { .. } => "chattering",
             Cause::Sliding { .. } => "sliding",
             Cause::DirectionLost { .. } | Cause::EndsMeet { .. } => "direction lost",
             Cause::NegativeInertia { .. } => "negative inertia",
@@ -505,6 +510,11 @@ impl fmt::Display for Cause {
                 f,
                 "chattering: both sides of `{switch}` = 0 push back to it; dry friction that sticks is `friction: {{rub: {{rate: {switch}, limit: F, \
                  …}}}}`; else describe what happens there as a phase with a constraint that keeps it 0 and events that lead in and out"
+            ),
+            Cause::ChatteringStates { switch } => write!(
+                f,
+                "chattering: both sides of `{switch}` = 0 push back to it; let an event that comes near hold the states of first order there: it sets \
+                 a held value to 0 (`memory`) by which their rates are multiplied"
             ),
             Cause::Sliding { switch } => write!(
                 f,

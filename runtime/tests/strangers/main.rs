@@ -18,6 +18,7 @@ mod reactions;
 mod second_runs;
 mod slow;
 mod strikes;
+mod surfaces;
 mod warnings;
 mod zero;
 

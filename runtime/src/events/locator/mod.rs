@@ -615,6 +615,8 @@ impl EventLocator {
                 modes::rest_if_sides_agree(system, &mut self.sampler, (t, y), switch);
             }
         }
+        // What is met again and again at one instant stays there, if it can.
+        let stays = self.restarts == RESTARTS + 1 && modes::slides_where_on(system, &mut self.sampler, (t, y), &on);
         for (switch, on) in on.into_iter().enumerate() {
             let function = self.sampler.function_of(switch);
             let slides = system.sliding().contains(&switch);
@@ -623,8 +625,8 @@ impl EventLocator {
             if slides {
                 self.scanner.zero[function] = 0.0;
             }
-            if on && self.restarts > RESTARTS {
-                return Err(Cause::Chattering { switch: modes::text(system, switch) }.into());
+            if on && self.restarts > RESTARTS && !stays {
+                return Err(modes::chattering(system, (t, y), switch).into());
             }
         }
         Ok(())
