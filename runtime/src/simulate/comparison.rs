@@ -411,6 +411,9 @@ fn reason(
     }
     let other = match simulate_with(system, &moved, progress) {
         Ok(other) => other,
+        Err(Error::Run(failure)) if failure.state.t <= t && !matches!(failure.cause, Cause::Interrupted) => {
+            return Loss::Fails { t: failure.state.t, cause: failure.cause.code() };
+        }
         Err(Error::Run(failure)) => failure.run.clone(),
         Err(_) => return accuracy,
     };

@@ -1,6 +1,6 @@
 //! Second runs that began otherwise than the first went on: digits that were lost, and advice that did not fit.
 
-use dalembert::{Run, Warning};
+use dalembert::{Loss, Run, Warning};
 
 use super::case;
 
@@ -106,4 +106,25 @@ fn an_impact_at_a_reported_time_took_all_digits() {
     // A run that ends at a landing has either speed, as before.
     let until = judged(&ball.replace("until: 1", "until: 0.9"));
     assert!(until.errors("y'").and_then(|errors| errors.last().copied()).is_some_and(|error| error > 1.0));
+}
+
+#[test]
+fn a_second_run_that_fails_was_said_to_want_a_smaller_tolerance() {
+    // A block at the edge of what its force is defined for: a rounding farther there is none.
+    let edge = "name: Edge\nparameters: {m: 1 kg, k: 1 N/m^0.5, d: 1 m, g: 10 m/s^2}\ncoordinates: {x: m, y: m}\n\
+                bodies: {b: {mass: m, position: \"[x, y]\"}}\ngravity: [0, -g]\n\
+                forces: {f: {on: b, force: \"[-k*sqrt(d - x), 0]\"}}\n\
+                scene: {start: {x: d, y: 0, y': 1}, until: 2, tolerance: 1e-10}\n";
+    let lost = |run: &Run| {
+        let why = run.warnings.iter().find_map(|warning| match warning {
+            Warning::DigitsLost { why, .. } => Some(*why),
+            _ => None,
+        });
+        why.expect("lost digits")
+    };
+    let why = lost(&judged(edge));
+    assert!(matches!(why, Loss::Fails { t: 0.0, cause: "not finite" }), "{why}");
+    // Within it there are digits.
+    let run = judged(&edge.replace("x: d", "x: 0.5*d"));
+    assert!(run.digits("y").is_some_and(|digits| digits >= 9), "{:?}", run.digits("y"));
 }
