@@ -125,6 +125,26 @@ pub enum Cause {
         /// The combinations that agree.
         found: Vec<String>,
     },
+    /// The limit of a friction is negative, so that it would drive.
+    NegativeLimit {
+        /// The friction or contact.
+        friction: String,
+        /// Its limit, SI, or its coefficient of friction.
+        limit: f64,
+        /// Which of both it is.
+        is_coefficient: bool,
+    },
+    /// The limit of a friction while it sticks is smaller than while it slides.
+    StaticBelowLimit {
+        /// The friction or contact.
+        friction: String,
+        /// The limit, SI, or the coefficient of friction, while it sticks.
+        sticking: f64,
+        /// The same while it slides.
+        sliding: f64,
+        /// Which of both it is.
+        is_coefficient: bool,
+    },
     /// The sides of a contact pass through each other.
     Penetrates {
         /// The contact.
@@ -158,8 +178,18 @@ pub enum Cause {
         /// When it is reached, s.
         t: f64,
     },
+    /// What is set at one instant lets events that follow it set again, without an end.
+    EndlessSets {
+        /// The first of the events that follow.
+        event: String,
+    },
     /// Both sides of a discontinuity push back to it, and the motion cannot stay there: the sides differ in no rate of its argument.
     Chattering {
+        /// The discontinuity's argument, as the model file has it.
+        switch: String,
+    },
+    /// The same of a discontinuity whose argument is of states of first order alone.
+    ChatteringStates {
         /// The discontinuity's argument, as the model file has it.
         switch: String,
     },
@@ -299,12 +329,15 @@ impl Cause {
             Cause::ConstraintLost { .. } => "constraint lost",
             Cause::PainleveInconsistent { .. } => "inconsistent friction",
             Cause::UndecidedContacts { .. } => "undecided contacts",
+            Cause::NegativeLimit { .. } => "negative limit",
+            Cause::StaticBelowLimit { .. } => "static below limit",
             Cause::Penetrates { .. } => "penetrates",
             Cause::SimultaneousImpacts { .. } => "simultaneous impacts",
             Cause::EndlessImpacts { .. } => "endless impacts",
             Cause::ImpactGainsEnergy { .. } => "impact gains energy",
             Cause::CoordinateSingularity { .. } => "coordinate singularity",
-            Cause::Chattering { .. } => "chattering",
+            Cause::EndlessSets { .. } => "endless sets",
+            Cause::Chattering { .. } | Cause::ChatteringStates { .. } => "chattering",
             Cause::Sliding { .. } => "sliding",
             Cause::DirectionLost { .. } | Cause::EndsMeet { .. } => "direction lost",
             Cause::NegativeInertia { .. } => "negative inertia",
@@ -419,6 +452,25 @@ impl fmt::Display for Cause {
                 count = found.len(),
                 list = found.join("; ")
             ),
+            Cause::NegativeLimit { friction, limit, is_coefficient: false } => write!(
+                f,
+                "negative limit: that of `{friction}` is {limit}, and friction with a negative limit drives; a limit is a size: take `abs` or \
+                 `max(0, …)` of what makes it, or, where it is made of a reaction that pushes to both sides, a contact for each side",
+                limit = short(*limit)
+            ),
+            Cause::NegativeLimit { friction, limit, is_coefficient: true } => write!(
+                f,
+                "negative limit: the coefficient of friction of `{friction}` is {limit}, and friction with a negative one drives",
+                limit = short(*limit)
+            ),
+            Cause::StaticBelowLimit { friction, sticking, sliding, is_coefficient } => write!(
+                f,
+                "static below limit: `{friction}` holds up to {sticking} where it sticks (`static`), and rubs with {sliding} where it slides \
+                 (`{key}`), so that it would neither stick nor slide between them; let `static` be no smaller",
+                sticking = short(*sticking),
+                sliding = short(*sliding),
+                key = if *is_coefficient { "friction" } else { "limit" }
+            ),
             Cause::Penetrates { contact, gap } => write!(
                 f,
                 "the sides of `{contact}` pass through each other: its gap is {gap:.3e}; let it start open or closed, or run at a smaller \
@@ -449,10 +501,20 @@ impl fmt::Display for Cause {
                  grows without bound; choose another coordinate, such as an angle",
                 t = short(*t)
             ),
+            Cause::EndlessSets { event } => write!(
+                f,
+                "endless sets: `{event}` follows what is set at one instant (`on_set`) again and again; let it set nothing that brings it \
+                 about again, or have an `if` that comes to an end"
+            ),
             Cause::Chattering { switch } => write!(
                 f,
                 "chattering: both sides of `{switch}` = 0 push back to it; dry friction that sticks is `friction: {{rub: {{rate: {switch}, limit: F, \
                  …}}}}`; else describe what happens there as a phase with a constraint that keeps it 0 and events that lead in and out"
+            ),
+            Cause::ChatteringStates { switch } => write!(
+                f,
+                "chattering: both sides of `{switch}` = 0 push back to it; let an event that comes near hold the states of first order there: it sets \
+                 a held value to 0 (`memory`) by which their rates are multiplied"
             ),
             Cause::Sliding { switch } => write!(
                 f,

@@ -3,7 +3,9 @@
 use super::Integration;
 use super::phase::Done;
 use crate::cause::Cause;
-use crate::constrain::{Change, Kinematics, Moment, Strike, VelocityJump, kinematics, settle, strike};
+use crate::constrain::{
+    Change, Kinematics, Moment, Strike, VelocityJump, closed_within, kinematics, possible_limits, settle, strike,
+};
 use crate::events::{Log, begin_at, begin_at_state};
 use crate::mechanism::{At, ContactEvent, System};
 use crate::run::Recorder;
@@ -114,20 +116,23 @@ impl Integration {
         Ok(true)
     }
 
-    /// Refuses a motion in which the sides of a contact pass through each other: its event was not seen.
-    pub(super) fn look_at_contacts(&mut self, system: &dyn System) -> Result<(), Box<Cause>> {
+    /// Refuses a motion in which the sides of a contact pass through each other, its event not seen, or in which a limit of friction is none.
+    pub(super) fn look_at_contacts(&mut self, system: &mut dyn System) -> Result<(), Box<Cause>> {
         if system.contacts().all.is_empty() {
             return Ok(());
         }
         let Some(projection) = &mut self.projection else { return Ok(()) };
-        projection.observe(system, self.clock.now(), self.stepper.start().y);
+        let (now, y) = (self.clock.now(), self.stepper.start().y);
+        projection.observe(system, now, y);
         for contact in system.contacts().all.iter() {
-            let depth = contact.normal.and_then(|row| projection.misses(row as usize)).filter(|gap| *gap < 0.0);
-            if let Some(gap) = depth {
+            let Some(row) = contact.normal.map(|row| row as usize) else { continue };
+            if let Some(gap) = projection.misses(row).filter(|gap| *gap < 0.0)
+                && -gap > closed_within(system, At::packed(now, y, system.len()), projection.scales())[row]
+            {
                 return Err(Cause::Penetrates { contact: contact.name.to_string(), gap }.into());
             }
         }
-        Ok(())
+        possible_limits(system, now, y)
     }
 
     /// A contact's coefficient of restitution.

@@ -3,10 +3,10 @@
 use super::set::Assigned;
 use super::{Integration, StopReason};
 use crate::cause::Cause;
-use crate::constrain::{VelocityJump, lasting_rows, possible_restitution, velocity_jump};
+use crate::constrain::{VelocityJump, closed_within, lasting_rows, possible_restitution, velocity_jump};
 use crate::events::{EventLocator, Fired, Impulse, gained};
 use crate::mechanism::dense::impulse_terms;
-use crate::mechanism::{Action, At, Enforcement, System};
+use crate::mechanism::{Action, At, Enforcement, System, Trigger};
 use crate::run::{Recorder, SpeedJump};
 
 /// More firings than this at one instant are a cycle.
@@ -184,8 +184,12 @@ impl Integration {
                 return Ok(stop_reason);
             }
         }
-        let event = fired.first().map_or(0, |fired| fired.event);
-        Err(Cause::Chattering { switch: system.description().events[event].name.to_string() }.into())
+        let name = |event: usize| system.description().events[event].name.to_string();
+        let follows = |fired: &&Fired| matches!(system.sampling().trigger(fired.event), Trigger::Set(_));
+        Err(Box::new(match fired.iter().find(follows) {
+            Some(fired) => Cause::EndlessSets { event: name(fired.event) },
+            None => Cause::Chattering { switch: name(fired.first().map_or(0, |fired| fired.event)) },
+        }))
     }
 
     /// Looks anew at everything after speeds were `hit`, or the phase changed, as it did where one was `entered`; what events are past their
@@ -353,7 +357,12 @@ impl Integration {
             let entering = active.iter().filter(|row| !before.contains(&(**row as u32)));
             for &row in entering {
                 let known = &system.description().rows[row];
-                if let Some(residual) = projection.misses(row).filter(|_| known.holonomic) {
+                let within = || {
+                    let at = At::packed(now, self.stepper.start().y, system.len());
+                    closed_within(system, at, projection.scales())[row]
+                };
+                let missed = projection.misses(row).filter(|_| known.holonomic);
+                if let Some(residual) = missed.filter(|c| c.is_nan() || c.abs() > within()) {
                     let phase = system.description().phases[phase].name.to_string();
                     return Err(Cause::PhaseMisses { phase, constraint: known.name.to_string(), residual }.into());
                 }

@@ -157,14 +157,18 @@ pub(crate) fn choose<S: System + ?Sized>(
         system.set_modes(&one.modes);
         return Ok(Chosen { on: one.on, undecided });
     }
-    // Signs of one rate cannot all slide: one of them holds it. That is seen where they begin to slide one after another.
-    for sliding in [&pushed, &[][..]] {
-        if slide(system, sampler, (t, y), (&combinations[best], sliding), &rates) {
-            return Ok(Chosen { on: combinations[best].on.clone(), undecided: None });
+    // Signs of one rate cannot all slide: one of them holds it. That is seen where they begin to slide one after another.  Where these lead round
+    // and round, all slide.
+    let best = &combinations[best];
+    let widest = combinations.iter().max_by_key(|one| one.on.iter().filter(|on| **on).count()).unwrap_or(best);
+    let all: Vec<usize> = (0..count).filter(|k| widest.on[*k]).collect();
+    for (from, sliding) in [(best, &pushed), (best, &Vec::new()), (widest, &all)] {
+        if slide(system, sampler, (t, y), (from, sliding), &rates) {
+            return Ok(Chosen { on: from.on.clone(), undecided: None });
         }
     }
     if pushed.iter().all(|k| rested[*k] && is_sign(system, *k)) {
-        let mut rest = combinations[best].clone();
+        let mut rest = best.clone();
         for switch in &pushed {
             rest.modes[*switch] = 0.0;
         }
@@ -176,7 +180,28 @@ pub(crate) fn choose<S: System + ?Sized>(
     }
     system.set_modes(&before);
     let switch = pushed.first().copied().unwrap_or(0);
-    Err(Cause::Chattering { switch: text(system, switch) }.into())
+    Err(chattering(system, (t, y), switch).into())
+}
+
+/// What is said of a switch to which both sides push back: of one of states of first order alone, that neither friction nor a constraint holds them.
+pub(crate) fn chattering<S: System + ?Sized>(system: &S, (t, y): (f64, &[f64]), switch: usize) -> Cause {
+    let (n, coordinates) = (system.len(), &system.description().coordinates);
+    let still = vec![0.0; n];
+    let value = |y: &[f64]| {
+        let mut pairs = vec![0.0; 2 * system.description().switches.len()];
+        system.switches(At::packed(t, y, n).accelerated(&still), &mut pairs);
+        pairs[2 * switch]
+    };
+    let (here, mut moved) = (value(y), y.to_vec());
+    let mut others = (0..2 * n).filter(|i| coordinates[i % n].state().is_none());
+    let of_others = others.any(|i| {
+        moved[i] += 1.0;
+        let there = value(&moved);
+        moved[i] = y[i];
+        there.to_bits() != here.to_bits()
+    });
+    let switch = text(system, switch);
+    if of_others { Cause::Chattering { switch } } else { Cause::ChatteringStates { switch } }
 }
 
 /// The switches that leave their surface, as was found out, or since they have slid to the end of what their sides can do, and to which side.
@@ -226,6 +251,25 @@ fn slide<S: System + ?Sized>(
         }
     }
     false
+}
+
+/// Lets what is `on` its surface slide there, between its sides; false where it cannot.
+pub(crate) fn slides_where_on<S: System + ?Sized>(
+    system: &mut S,
+    sampler: &mut Sampler,
+    (t, y): (f64, &[f64]),
+    on: &[bool],
+) -> bool {
+    let before = system.modes().to_vec();
+    sampler.at_state(system, t, y);
+    let here: Vec<f64> = (0..on.len()).map(|switch| sampler.rate(switch)).collect();
+    let from = Combination { modes: before.clone(), on: on.to_vec(), next: on.len() };
+    let all: Vec<usize> = (0..on.len()).filter(|switch| on[*switch]).collect();
+    let slides = slide(system, sampler, (t, y), (&from, &all), &Rates { of: &[here], leaving: &[] });
+    if !slides {
+        system.set_modes(&before);
+    }
+    slides
 }
 
 /// Whether what slides still slides between its sides a moment later.

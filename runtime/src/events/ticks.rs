@@ -67,6 +67,14 @@ impl Ticks {
         Ticks { clocks: clocks.collect(), of_events: sampling.triggers.iter().map(clock).collect() }
     }
 
+    /// The numbers of the first ticks after those that have come at t.
+    pub fn next_after(mut self, t: f64) -> Vec<u64> {
+        while self.is_due(t) {
+            self.take(t);
+        }
+        self.next()
+    }
+
     /// The numbers of the next ticks.
     pub fn next(&self) -> Vec<u64> {
         self.clocks.iter().map(|clock| clock.next).collect()

@@ -91,8 +91,12 @@ impl Sides {
         x.iter().all(|x| x.is_finite()).then(|| x.iter().copied().collect())
     }
 
-    /// w.
+    /// w; half way between sides that are alike, and move no argument.
     fn fractions(&self) -> Option<Vec<f64>> {
+        let alike = |side: &Side| side.a == self.below.a && side.rates.iter().all(|rate| *rate == 0.0);
+        if self.above.iter().chain([&self.below]).all(alike) {
+            return Some(vec![0.5; self.above.len()]);
+        }
         self.solve(|i| -self.below.rates[i])
     }
 

@@ -33,6 +33,9 @@ pub struct Digits {
     still: f64,
     /// How far the values of each column are apart.
     ranges: Vec<f64>,
+    /// At which reported times one run is before an event and the other one behind it: what differs there is no error of the motion, and the bounds
+    /// there say nothing of other times.
+    straddles: Vec<bool>,
     /// What each output at the end may be off by where its terms cancel, the motion being known as it is; 0 where that is not known.
     cancelled: Vec<f64>,
 }
@@ -81,7 +84,8 @@ impl Digits {
         });
         let still = STILL.max(tolerance.unwrap_or(0.0));
         let ranges = ranges(run, still);
-        let differences = differences(run, other, &ranges);
+        let straddles = straddles(run, other);
+        let differences = differences(run, other, (&ranges, &straddles));
         let mut digits = Digits {
             rows: differences.into_iter().map(|difference| MARGIN * difference).collect(),
             end: MARGIN * (time_of(run) - time_of(other)).abs(),
@@ -92,6 +96,7 @@ impl Digits {
             evaluations: other.work.evaluations,
             still,
             ranges,
+            straddles,
             cancelled: Vec::new(),
         };
         digits.settle(run);
@@ -103,7 +108,9 @@ impl Digits {
     /// Where errors follow the tolerance its differences are as many times larger as its tolerance is; where they are
     /// not, each of the two runs may be close to the first one by chance, and both count in proportion to what they find.
     pub(crate) fn third_run(&mut self, run: &Run, other: &Run, least: f64) {
-        let differences = differences(run, other, &self.ranges);
+        let straddles = straddles(run, other);
+        let differences = differences(run, other, (&self.ranges, &straddles));
+        self.straddles.iter_mut().zip(straddles).for_each(|(here, there)| *here |= there);
         let (columns, n) = (run.names.len(), run.names.coordinates.len());
         let ranges = &self.ranges;
         let size =
@@ -213,8 +220,11 @@ impl Digits {
     /// The largest bound of a coordinate or rate, in parts of its range.
     pub(crate) fn worst(&self, run: &Run) -> f64 {
         let n = run.names.coordinates.len();
-        let ranges = &self.ranges;
-        let of = |(at, bound): (usize, &f64)| Some(at % ranges.len()).filter(|c| *c < 2 * n).map(|c| bound / ranges[c]);
+        let (ranges, straddles) = (&self.ranges, &self.straddles);
+        let of = |(at, bound): (usize, &f64)| {
+            let column = Some(at % ranges.len()).filter(|column| *column < 2 * n && !straddles[at / ranges.len()]);
+            column.map(|column| bound / ranges[column])
+        };
         self.rows.iter().enumerate().filter_map(of).fold(0.0, f64::max)
     }
 
@@ -236,7 +246,7 @@ impl Digits {
                     *bound = bound.max(off);
                 }
             }
-            let lost = (0..2 * n).find(|column| bounds[*column] > LOST * ranges[*column]);
+            let lost = (0..2 * n).find(|column| bounds[*column] > LOST * ranges[*column] && !self.straddles[row]);
             self.lost = self.lost.or(lost.map(|column| (run.times[row], column)));
         }
     }
@@ -271,9 +281,22 @@ impl<'a> ImpulseRounding<'a> {
     }
 }
 
+/// At which times of the first run an event lies between the two: its instant and the reported one are the same as far as the runs tell, and so many
+/// events as at the times before and after were in neither.
+fn straddles(run: &Run, other: &Run) -> Vec<bool> {
+    let count = |run: &Run, t: f64| run.events.partition_point(|event| event.state.t <= t) as isize;
+    let shared = run.times.iter().zip(&other.times).take_while(|(a, b)| a == b).count();
+    let ahead: Vec<isize> = run.times[..shared].iter().map(|t| count(run, *t) - count(other, *t)).collect();
+    let between = |row: usize| {
+        let around = row.checked_sub(1).and_then(|before| ahead.get(before)).zip(ahead.get(row + 1));
+        around.is_some_and(|(before, after)| before == after && ahead[row] != *before)
+    };
+    (0..run.len()).map(between).collect()
+}
+
 /// Differences of two runs, column by column at all times of the first one: the largest over the last tenth of the time
 /// until then.
-fn differences(run: &Run, other: &Run, ranges: &[f64]) -> Vec<f64> {
+fn differences(run: &Run, other: &Run, (ranges, straddles): (&[f64], &[bool])) -> Vec<f64> {
     let columns = run.names.len();
     let shared = run.times.iter().zip(&other.times).take_while(|(a, b)| a == b).count();
     let ends_alike = ended_alike(run, other);
@@ -290,12 +313,17 @@ fn differences(run: &Run, other: &Run, ranges: &[f64]) -> Vec<f64> {
         // What is absent in both has no error.
         differences.extend(own.iter().zip(&theirs).map(|(own, theirs)| apart_by(*own, *theirs)));
     }
+    let mut own = vec![0.0; differences.len()];
+    for row in (0..run.len()).filter(|row| straddles[*row]) {
+        let here = columns * row..columns * (row + 1);
+        own[here.clone()].swap_with_slice(&mut differences[here]);
+    }
     couple_rates(&mut differences, &run.times, ranges, run.names.coordinates.len());
-    let mut largest = vec![0.0; differences.len()];
+    let mut largest = own;
     for column in 0..columns {
         let sliding = sliding_maximum(&run.times, |row| differences[columns * row + column]);
         for (row, value) in sliding.into_iter().enumerate() {
-            largest[columns * row + column] = value;
+            largest[columns * row + column] = value.max(largest[columns * row + column]);
         }
     }
     largest

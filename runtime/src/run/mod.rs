@@ -88,6 +88,8 @@ pub struct Run {
     pub digits: Option<Digits>,
     /// What is held at the end, in the order of [`Sampling::memory`](crate::mechanism::Sampling::memory).
     pub(crate) memory: Vec<f64>,
+    /// The same once all that happens at the start is done.
+    pub(crate) memory_at_start: Vec<f64>,
     /// The numbers of the next ticks of all clocks.
     pub(crate) ticks: Vec<u64>,
     /// The length of the next step, s, and the least and largest values of [q; q'] so far; `None` at a fixed step.

@@ -39,6 +39,8 @@ pub(crate) struct Recorder {
     dense_is_free: bool,
     until: f64,
     monitor: Option<Monitor>,
+    /// Whether the equations, or the state, are being changed.
+    changes: bool,
     guard: Option<InertiaGuard>,
     gimbals: Option<GimbalGuard>,
     condition: Option<ConditionMonitor>,
@@ -134,6 +136,7 @@ impl Recorder {
             digits: None,
             parts: Vec::new(),
             memory: Vec::new(),
+            memory_at_start: Vec::new(),
             ticks: Vec::new(),
             resumed: None,
             sampling: Arc::new(system.sampling().clone()),
@@ -169,6 +172,7 @@ impl Recorder {
             dense_is_free: plan.dense_is_free,
             until: plan.until,
             monitor: plan.watch.then(|| Monitor::new(system, t, y, start.work)),
+            changes: false,
             guard: InertiaGuard::new(system, t, y),
             gimbals: GimbalGuard::new(system, t, y, plan.tolerance),
             condition: ConditionMonitor::new(system, t, y),
@@ -244,6 +248,7 @@ impl Recorder {
 
     /// Takes note of the state before other equations come into force.
     pub fn leave(&mut self, system: &dyn System, t: f64, start: Endpoint<'_>) {
+        self.changes = true;
         if let Some(monitor) = &mut self.monitor {
             monitor.leave(system, t, start.y);
         }
@@ -263,6 +268,7 @@ impl Recorder {
     /// Takes note of new equations in force: dense output does not reach across, and what they do to the energy is no
     /// error of the integration.  A state that was reported at this instant is the one after it.
     pub fn restart(&mut self, system: &dyn System, t: f64, start: Endpoint<'_>) {
+        self.changes = false;
         if let Some(monitor) = &mut self.monitor {
             monitor.restart(system, t, start.y);
         }
@@ -280,6 +286,9 @@ impl Recorder {
     pub fn begin_piece(&mut self, system: &dyn System, t: f64, start: Endpoint<'_>) {
         if let Some(projection) = &mut self.projection {
             projection.hold(system, t, start.y);
+        }
+        if t == self.start {
+            self.run.memory_at_start = system.memory().to_vec();
         }
         if self.keep_dense {
             self.run.trajectory.begin(t, start.y, start.rate);
@@ -474,6 +483,10 @@ impl Recorder {
         self.report(system, t, end.y);
         self.run.scenery.keep(system, self.run.trajectory.end());
         if let Some(mut monitor) = self.monitor.take() {
+            // A run may fail amid what an event does, which is no error of the integration either.
+            if self.changes {
+                monitor.restart(system, t, end.y);
+            }
             let (_, scale) = monitor.observe(system, t, end.y, end.work);
             // What is nothing beside the energies of the motion is rounding before it has begun.
             let jump = self.jumps.iter().find(|(_, _, then)| *then > NOTHING * scale).copied();

@@ -1,7 +1,7 @@
 //! Events that an error as large as the run's may add or take away.
 
-use crate::mechanism::{At, System};
-use crate::run::{Digits, Run};
+use crate::mechanism::{At, System, Trigger};
+use crate::run::{Digits, Occurrence, Run};
 use crate::trust::Warning;
 
 /// An event's function is looked at so many times between two of its crossings, beside all reported times.
@@ -76,8 +76,14 @@ impl Look<'_> {
         let (t, y) = row(before);
         // What rests at zero was there before, and what ended the run is told.
         let comes = self.value(t, y).is_some_and(|value| value.abs() > moved);
-        let ended = self.run.ended_by().is_some_and(|ending| ending.event == self.event);
+        let ended = self.run.ended_by().is_some_and(|ending| self.brings(ending));
         comes && !ended && others.iter().any(|other| other * end < 0.0)
+    }
+
+    /// Whether it is the event that ended the run, or set at that instant what one followed that did.
+    fn brings(&self, ending: &Occurrence) -> bool {
+        let follows = matches!(self.system.sampling().trigger(ending.event), Trigger::Set(_));
+        ending.event == self.event || follows && self.crossings().contains(&ending.state.t)
     }
 
     /// When it first turns back nearer to zero than it is known.

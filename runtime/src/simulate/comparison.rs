@@ -2,6 +2,8 @@
 
 use std::ops::ControlFlow;
 
+use nalgebra::DMatrix;
+
 use super::close_calls::close_calls;
 use super::flat::widen_flat_events;
 use super::rounded_parameters::moved_parameters;
@@ -10,9 +12,10 @@ use crate::cause::Cause;
 use crate::constrain::Projection;
 use crate::driver::Followed;
 use crate::error::Error;
-use crate::events::begin_at;
+use crate::events::{Ticks, begin_at};
 use crate::integrate::order;
-use crate::mechanism::dense::{constraint_triples, sizes_alike};
+use crate::matrix::solve_least;
+use crate::mechanism::dense::{constraint_matrix, constraint_triples, sizes_alike};
 use crate::mechanism::{Action, Argument, At, Method, Role, System, Watched};
 use crate::run::{Digits, Run, evaluate_outputs};
 use crate::trust::{Loss, Warning, all_rates, inertia_condition};
@@ -311,6 +314,8 @@ fn alike(system: &mut dyn System, settings: &Settings, run: &Run) -> Settings {
     if let Some((_, phase)) = run.phases.iter().take_while(|(t, _)| *t == settings.from).last() {
         other.phase = *phase;
     }
+    other.memory = Some(run.memory_at_start.clone());
+    other.ticks = Some(Ticks::new(system, settings.from, settings.ticks.as_deref()).next_after(settings.from));
     // A kick at the very end says nothing of the way there.
     let kicked = run.len() > 1 && run.impulses.last().is_some_and(|impulse| run.times.last() == Some(&impulse.t));
     let rows = &run.rows[..2 * n * (run.len() - usize::from(kicked))];
@@ -325,12 +330,13 @@ fn alike(system: &mut dyn System, settings: &Settings, run: &Run) -> Settings {
             other.v[i] += sign * moves[n + i];
         }
     }
-    project(system, &mut other, &moves);
+    let start = run.rows.get(..n).unwrap_or(&settings.q);
+    project(system, &mut other, start, &moves);
     other
 }
 
-/// Brings a start that was moved by so much to the constraints: values that are held would miss what they met.
-fn project(system: &mut dyn System, settings: &mut Settings, moves: &[f64]) {
+/// Brings a start that was moved by so much from `start` to the constraints: values that are held would miss what they met.
+fn project(system: &mut dyn System, settings: &mut Settings, start: &[f64], moves: &[f64]) {
     system.set_phase(settings.phase);
     system.enforce(settings.enforcement, settings.alpha());
     let Some(mut projection) = Projection::new(system) else { return };
@@ -348,12 +354,41 @@ fn project(system: &mut dyn System, settings: &mut Settings, moves: &[f64]) {
                 y = still;
             }
         }
+        leave_walls(system, settings.from, start, &mut y[..n]);
         // Where the constraints let nothing move as it was moved, what is left is rounding of that, and meets no constraint.
         let description = system.description();
         let moved = [sizes_alike(description, &moves[..n]), sizes_alike(description, &moves[n..])].concat();
         y.iter_mut().zip(moved).filter(|(y, moved)| y.abs() <= RESIDUE * moved).for_each(|(y, _)| *y = 0.0);
         (settings.q, settings.v) = (y[..n].to_vec(), y[n..].to_vec());
         (settings.held_q, settings.held_v, settings.start_conditions) = (Vec::new(), Vec::new(), 0..0);
+    }
+}
+
+/// Brings places that were moved by rounding from `start` out of walls: no gap is negative that was not, nor more so than it was.  Constraints in
+/// force are kept.
+fn leave_walls(system: &dyn System, t: f64, start: &[f64], q: &mut [f64]) {
+    let gaps: Vec<usize> =
+        system.contacts().all.iter().filter_map(|contact| contact.normal).map(|row| row as usize).collect();
+    let rows = &system.description().rows;
+    let mut kept: Vec<usize> =
+        system.active_rows().iter().map(|row| *row as usize).filter(|row| rows[*row].holonomic).collect();
+    let least: Vec<f64> = constraint_triples(system, At::place(t, start)).iter().map(|[c, ..]| c.min(0.0)).collect();
+    // What leads out of one wall may lead into another one.
+    for _ in 0..gaps.len() {
+        let here = constraint_triples(system, At::place(t, q));
+        let entered: Vec<usize> =
+            gaps.iter().copied().filter(|row| here[*row][0] < least[*row] && !kept.contains(row)).collect();
+        if entered.is_empty() {
+            return;
+        }
+        kept.extend(entered);
+        let right = DMatrix::from_fn(
+            kept.len(),
+            1,
+            |k, _| if gaps.contains(&kept[k]) { least[kept[k]] } else { 0.0 } - here[kept[k]][0],
+        );
+        let Some(back) = solve_least(&constraint_matrix(system, At::place(t, q), &kept), &right) else { return };
+        q.iter_mut().zip(back.iter()).for_each(|(q, back)| *q += back);
     }
 }
 
@@ -376,6 +411,9 @@ fn reason(
     }
     let other = match simulate_with(system, &moved, progress) {
         Ok(other) => other,
+        Err(Error::Run(failure)) if failure.state.t <= t && !matches!(failure.cause, Cause::Interrupted) => {
+            return Loss::Fails { t: failure.state.t, cause: failure.cause.code() };
+        }
         Err(Error::Run(failure)) => failure.run.clone(),
         Err(_) => return accuracy,
     };

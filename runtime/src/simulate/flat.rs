@@ -1,6 +1,6 @@
 //! Events whose functions are flat about their zero: of high order, or a small difference of large terms.
 
-use crate::mechanism::{At, System};
+use crate::mechanism::{Action, At, System};
 use crate::run::{Digits, Run};
 
 /// By so many roundings each number of the state is moved to see what the function's own rounding is.
@@ -20,8 +20,10 @@ pub(super) fn widen_flat_events(system: &dyn System, run: &Run, digits: &mut Dig
         // The function is that of the phase which the event may end.
         let before = run.phases.iter().take_while(|(from, _)| *from < t).last().or(run.phases.first());
         before.into_iter().for_each(|(_, phase)| system.set_phase(*phase));
-        // Behind it other equations are in force.
-        let ends = run.phases.iter().any(|(from, _)| *from == t);
+        // Behind it other equations are in force, or another state.
+        let changes = |action: &Action| !matches!(action, Action::Record | Action::Stop);
+        let acts = system.description().events[event.event].actions.iter().any(changes);
+        let ends = acts || run.phases.iter().any(|(from, _)| *from == t);
         let width = if Some(t) == start { 0.0 } else { flat(&*system, run, event.event, (t, ends)) };
         if width > SIMPLE * f64::EPSILON * t.abs() {
             digits.widen_event(index, width);
@@ -32,7 +34,7 @@ pub(super) fn widen_flat_events(system: &dyn System, run: &Run, digits: &mut Dig
     }
 }
 
-/// Half of the time in which an event's function is below its rounding about its zero at t, s; before it, where a phase `ends` there.
+/// Half of the time in which an event's function is below its rounding about its zero at t, s; before it, where it `ends` something.
 fn flat(system: &dyn System, run: &Run, event: usize, (t, ends): (f64, bool)) -> f64 {
     let Some(state) = run.at(t) else { return 0.0 };
     let y = [state.q, state.v].concat();

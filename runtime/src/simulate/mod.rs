@@ -246,7 +246,8 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
         .and_then(|()| integration.begin(system, settings.until))
         .and(settings.attainable())
         .and_then(|()| positive_inertia(system, settings.from, &y))
-        .and_then(|()| constrain::possible_restitutions(system, &settings.ignored_events));
+        .and_then(|()| constrain::possible_restitutions(system, &settings.ignored_events))
+        .and_then(|()| constrain::possible_limits(system, settings.from, &y));
     if let (Some(resumed), Ok(())) = (&settings.resumed, &outcome) {
         integration.resume(resumed.step, &resumed.seen);
     }

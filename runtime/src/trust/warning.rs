@@ -203,6 +203,13 @@ pub enum Loss {
     },
     /// It begins at rest in an unstable equilibrium, and only rounding moves it.
     UnstableStart,
+    /// A run whose start differs by rounding fails: why, by [`Cause::code`](crate::Cause::code), and when.
+    Fails {
+        /// s.
+        t: f64,
+        /// A word for it.
+        cause: &'static str,
+    },
     /// The fixed step is too coarse.
     CoarseStep {
         /// The step, s.
@@ -223,6 +230,9 @@ impl fmt::Display for Loss {
             }
             Loss::UnstableStart => {
                 write!(f, "it starts at rest in an unstable equilibrium, so that rounding decides where it goes")
+            }
+            Loss::Fails { t, cause } => {
+                write!(f, "a run whose start differs by rounding ends at t = {t} s: {cause}", t = short(*t))
             }
             Loss::CoarseStep { step } => write!(f, "the fixed step of {step} s is too coarse"),
             Loss::LooseTolerance { tolerance } => {

@@ -8,12 +8,17 @@ mod control;
 mod equilibria;
 mod events;
 mod extremes;
+mod false_alarms;
 mod gaps;
 mod gimbal_lock;
+mod limits;
 mod pictures;
 mod printing;
 mod reactions;
+mod second_runs;
 mod slow;
+mod strikes;
+mod surfaces;
 mod warnings;
 mod zero;
 

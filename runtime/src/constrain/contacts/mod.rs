@@ -1,11 +1,14 @@
 //! Friction that sticks and contacts that open by themselves: what all of them do from an instant on.
 //!
 //! 1. What is known of each at the instant, and which combination of modes the forces agree with: look in `modes.rs`.
-//! 2. Impacts of several at once, by a stated law: look in `strike.rs`.
+//! 2. Limits of friction that are none: look in `limits.rs`.
+//! 3. Impacts of several at once, by a stated law: look in `strike.rs`.
 
+mod limits;
 mod modes;
 mod strike;
 
+pub(crate) use limits::possible_limits;
 pub(crate) use modes::{Change, settle};
 pub(crate) use strike::{Strike, strike};
 
@@ -18,6 +21,8 @@ use crate::mechanism::{At, ContactEvent, ContactMode, System};
 /// A gap below this part of the sum of its terms, or of what the sizes of coordinates make of it, is closed: instants at which contacts
 /// close are located to some 1e-13 of them.
 const CLOSED: f64 = 1e-11;
+/// So many roundings of its time an instant is known to at the least.
+const INSTANT: f64 = 64.0 * f64::EPSILON;
 /// A rate below this part of the sum of its terms is zero.
 const STILL: f64 = 1e-12;
 /// A rate that would vanish within this part of a step vanishes now: instants at which sliding stops are located to some 1e-12 of one.
@@ -68,7 +73,7 @@ pub(crate) fn approaches<S: System + ?Sized>(system: &S, moment: &Moment<'_>, co
 }
 
 /// Of each row how far from 0 a gap is closed: [`CLOSED`] of the sum of its terms, here or as large as `scales` know it, or of what the sizes of
-/// coordinates make of one whose terms are small here.
+/// coordinates make of one whose terms are small here; or what the terms of its rate make of the time to which its [`INSTANT`] is known.
 pub(crate) fn closed_within<S: System + ?Sized>(system: &S, at: At<'_>, scales: &[f64]) -> Vec<f64> {
     let triples = constraint_triples(system, at);
     let rows: Vec<usize> = (0..triples.len()).collect();
@@ -76,7 +81,13 @@ pub(crate) fn closed_within<S: System + ?Sized>(system: &S, at: At<'_>, scales: 
     let sizes = sizes_alike(system.description(), at.q);
     let size = |row: usize| sizes.iter().enumerate().map(|(i, size)| (matrix[(row, i)] * size).abs()).sum::<f64>();
     let seen = |row: usize| scales.get(row).copied().unwrap_or(0.0);
-    rows.into_iter().map(|row| CLOSED * triples[row][2].max(seen(row)).max(size(row))).collect()
+    let rate = |row: usize| {
+        let moving = at.v.iter().enumerate().map(|(i, v)| matrix[(row, i)] * v);
+        let (sum, terms) = moving.fold((0.0, 0.0), |(sum, terms), term| (sum + term, terms + term.abs()));
+        terms + (triples[row][1] - sum).abs()
+    };
+    let known = |row: usize| INSTANT * at.t.abs() * rate(row);
+    rows.into_iter().map(|row| (CLOSED * triples[row][2].max(seen(row)).max(size(row))).max(known(row))).collect()
 }
 
 /// The events by which contacts stop sliding that cannot happen: the constraints in force keep those contacts from moving, so that their rates are

@@ -4,6 +4,7 @@
 //! it opens, |T| ≤ L₀ where it sticks, and s' in the direction in which it begins to slip.  The linear complementarity problem that this is
 //! (Glocker, Set-Valued Force Laws, 2001, ch. 5–6) is solved by trying combinations, those first that change least.
 
+use super::limits::possible_limits_of;
 use super::strike::Strike;
 use super::{Kinematics, Moment, Situation, combinations, words};
 use crate::cause::Cause;
@@ -157,6 +158,8 @@ pub(crate) fn settle(system: &mut dyn System, moment: &Moment<'_>, change: Chang
         system.set_modes(&modes_before);
     }
     let Some(chosen) = chosen else {
+        let touches: Vec<bool> = known.iter().map(|known| known.touches).collect();
+        possible_limits_of(system, (t, y), &touches)?;
         let found = agree.iter().map(|trial| words(system, &trial.modes)).collect();
         return Err(Cause::UndecidedContacts { found }.into());
     };

@@ -2,10 +2,12 @@
 //!
 //! With W = J M⁻¹ Jᵀ the rates of gaps and sliding become u⁺ = u⁻ + W P.  Newton's law for several contacts: u_N⁺ ≥ −e u_N⁻, P_N ≥ 0, one of
 //! them an equation; Coulomb's law for impulses: |P_T| ≤ μ P_N, with equality against the sliding that is left (Pfeiffer & Glocker,
-//! Multibody Dynamics with Unilateral Contacts, 1996, ch. 8; Moreau 1988).
+//! Multibody Dynamics with Unilateral Contacts, 1996, ch. 8; Moreau 1988).  μ is that of sliding for what slides when it is struck, until it stops;
+//! what does not slide then is held by the μ of sticking if that can be.
 
 use nalgebra::{DMatrix, DVector};
 
+use super::limits::possible_limits_of;
 use super::{Moment, Situation, combinations, lasting_rows, words};
 use crate::cause::Cause;
 use crate::matrix::solve_least;
@@ -112,8 +114,20 @@ pub(crate) fn strike(system: &mut dyn System, moment: &Moment<'_>, slow: &[f64])
     if !collision.approaches(&collision.before) && !collision.hops_are_lost() {
         return Ok(None);
     }
-    let impulses = match system.contacts().law {
-        Some(law) => collision.by(system, law)?,
+    let impulses = struck(system, moment, &collision).map_err(|cause| {
+        // Why nothing is decided may be what the file says of friction.
+        let touches: Vec<bool> =
+            (0..situation.modes.len()).map(|k| situation.modes[k].touches() || situation.closed[k]).collect();
+        possible_limits_of(system, (t, y), &touches).err().unwrap_or(cause)
+    })?;
+    collision.outcome(system, &impulses).map(Some)
+}
+
+/// The impulses by the law that the file states, or by the order of impacts where that does not matter.
+fn struck(system: &mut dyn System, moment: &Moment<'_>, collision: &Collision) -> Result<DVector<f64>, Box<Cause>> {
+    let y = moment.y;
+    match system.contacts().law {
+        Some(law) => collision.by(system, law),
         None => {
             let together = collision.by(system, ImpactLaw::Together)?;
             if collision.sides.len() > 1 {
@@ -133,10 +147,9 @@ pub(crate) fn strike(system: &mut dyn System, moment: &Moment<'_>, slow: &[f64])
                     .into());
                 }
             }
-            together
+            Ok(together)
         }
-    };
-    collision.outcome(system, &impulses).map(Some)
+    }
 }
 
 impl Collision {
@@ -248,11 +261,22 @@ impl Collision {
         let alike = |one: &DVector<f64>, other: &DVector<f64>| {
             (after(other) - after(one)).amax() <= ALIKE * self.scale(stage.rates)
         };
+        // What does not slide yet, and may stick, does not begin to slide.
+        let sticks_instead = |(one, slid): &(Vec<ContactMode>, DVector<f64>),
+                              (other, stuck): &(Vec<ContactMode>, DVector<f64>)| {
+            let instead = |(side, (one, other)): (&Side, (&ContactMode, &ContactMode))| {
+                let begins = one.sliding() != 0.0 && *other == ContactMode::Sticks && !self.slides(side, stage.rates);
+                one == other || begins
+            };
+            !alike(slid, stuck) && self.sides.iter().zip(one.iter().zip(other)).all(instead)
+        };
+        let stays = |one: &&(Vec<ContactMode>, DVector<f64>)| !found.iter().any(|other| sticks_instead(one, other));
+        let found: Vec<&(Vec<ContactMode>, DVector<f64>)> = found.iter().filter(stays).collect();
         match found.as_slice() {
             [(_, first), rest @ ..] if rest.iter().all(|(_, other)| alike(first, other)) => Ok(first.clone()),
             _ => {
                 let mut all = system.contacts().modes(system.phase());
-                let mut named = |(modes, _): &(Vec<ContactMode>, DVector<f64>)| {
+                let mut named = |(modes, _): &&(Vec<ContactMode>, DVector<f64>)| {
                     self.sides.iter().zip(modes).for_each(|(side, mode)| all[side.contact] = *mode);
                     words(system, &all)
                 };
@@ -278,8 +302,8 @@ impl Collision {
             let sliding = mode.sliding();
             if let Some(tangent) = side.tangent {
                 // What is given back rubs, too, where nothing is added to it.
-                let slides = rates[tangent].abs() > NOTHING * self.scale(rates);
-                let direction = if !mode.touches() && slides { rates[tangent].signum() } else { sliding };
+                let slides = !mode.touches() && self.slides(side, rates);
+                let direction = if slides { rates[tangent].signum() } else { sliding };
                 base[tangent] -= direction * side.friction[0] * given[side.normal];
             }
             if !mode.touches() {
@@ -316,12 +340,21 @@ impl Collision {
                 return after[side.normal] >= self.least(side, stage) - small;
             }
             let slides = side.tangent.is_none_or(|tangent| match mode.sliding() {
-                0.0 => impulses[tangent].abs() <= side.friction[1] * pressed + none,
+                0.0 => {
+                    let [sliding, sticking] = side.friction;
+                    let most = if self.slides(side, rates) { sliding } else { sticking };
+                    impulses[tangent].abs() <= most * pressed + none
+                }
                 sliding => sliding * after[tangent] >= -small,
             });
             pressed >= given[side.normal] - none && slides
         };
         taking.iter().all(agrees).then_some(impulses)
+    }
+
+    /// Whether a side slides at these rates.
+    fn slides(&self, side: &Side, rates: &DVector<f64>) -> bool {
+        side.tangent.is_some_and(|tangent| rates[tangent].abs() > NOTHING * self.scale(rates))
     }
 
     /// The rate that a gap has at least afterwards; what moves apart already may go on as it likes.

@@ -346,7 +346,7 @@ impl EventLocator {
     /// Notes what is recorded within a step that nothing ended.
     pub fn pass<S: System + ?Sized>(&mut self, system: &S, segment: &Segment<'_>, recorder: &mut impl Log) {
         self.record(system, segment, recorder, &[]);
-        self.note(system, recorder);
+        self.note(system, recorder, &[]);
         self.scanner.advance(segment.t + segment.h);
         self.step = segment.h;
     }
@@ -379,7 +379,7 @@ impl EventLocator {
         self.monitors.forget();
         self.scanner.scan(&mut self.sampler, &mut self.arguments, system, segment)?;
         self.record(system, segment, recorder, together);
-        self.note(system, recorder);
+        self.note(system, recorder, together);
         self.scanner.advance(segment.t + segment.h);
         self.step = self.step.max(segment.h);
         Ok(())
@@ -624,6 +624,8 @@ impl EventLocator {
                 modes::rest_if_sides_agree(system, &mut self.sampler, (t, y), switch);
             }
         }
+        // What is met again and again at one instant stays there, if it can.
+        let stays = self.restarts == RESTARTS + 1 && modes::slides_where_on(system, &mut self.sampler, (t, y), &on);
         for (switch, on) in on.into_iter().enumerate() {
             let function = self.sampler.function_of(switch);
             let slides = system.sliding().contains(&switch);
@@ -632,8 +634,8 @@ impl EventLocator {
             if slides {
                 self.scanner.zero[function] = 0.0;
             }
-            if on && self.restarts > RESTARTS {
-                return Err(Cause::Chattering { switch: modes::text(system, switch) }.into());
+            if on && self.restarts > RESTARTS && !stays {
+                return Err(modes::chattering(system, (t, y), switch).into());
             }
         }
         Ok(())
@@ -669,10 +671,21 @@ impl EventLocator {
         }
     }
 
-    /// Says what events' functions do that is no crossing.
-    fn note<S: System + ?Sized>(&mut self, system: &S, recorder: &mut impl Log) {
-        for anomaly in std::mem::take(&mut self.scanner.anomalies) {
-            if self.sampler.switch(anomaly.function).is_some() {
+    /// Says what events' functions do that is no crossing; of those in `but`, which cross at the end of the step, not what rounding makes of just
+    /// that.
+    fn note<S: System + ?Sized>(&mut self, system: &S, recorder: &mut impl Log, but: &[Crossing]) {
+        let anomalies = std::mem::take(&mut self.scanner.anomalies);
+        for anomaly in &anomalies {
+            let (function, kind) = (anomaly.function, anomaly.kind);
+            // Its one change of sign in the step is that of the crossing, and to the same side.
+            let same = |crossing: &Crossing| {
+                let side = if crossing.rising { 1.0 } else { -1.0 };
+                crossing.function == function && self.scanner.sides[function] != side
+            };
+            let changes = anomalies.iter().filter(|other| other.function == function).count()
+                + self.scanner.crossings.iter().filter(|other| other.function == function).count();
+            let taken = matches!(kind, ZeroKind::Jumps | ZeroKind::Pole) && changes == 1 && but.iter().any(same);
+            if taken || self.sampler.switch(function).is_some() {
                 continue;
             }
             let (event, t) = (watched_name(system, &self.sampler, anomaly.function), anomaly.t);

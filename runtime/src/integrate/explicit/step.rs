@@ -132,8 +132,9 @@ impl<T: Scheme, Y: Block> ExplicitRungeKutta<T, Y> {
             Estimate::None => 0.0,
             Estimate::Single(_) => (five * mean).sqrt(),
             Estimate::Pair { .. } => {
-                let both = five + 0.01 * three;
-                if both == 0.0 { 0.0 } else { five * (mean / both).sqrt() }
+                // Squares of what is as small as that are not told apart, and their quotient would be no number.
+                let both = (five + 0.01 * three).max(f64::MIN_POSITIVE);
+                five * (mean / both).sqrt()
             }
         }
     }

@@ -113,7 +113,7 @@ super::entries! {
         "`{words}` is a reaction, and {context} may not depend on reactions" "" "reactions may stand in `outputs`, `events`, `checks` and `equation`, and linearly in `forces` and `torques`"
         "The multiplier of a constraint is found together with the accelerations: what determines them linearly may contain it, and what is computed from them.";
     E238 nonlinear_reaction(words, context) "a reaction in something that is not linear in reactions"
-        "`{words}` is not linear in its reactions, and {context} must be" "" "use a phase for each sign of the reaction, with a force of its own in each (`-mu*reaction(floor)` in one, `mu*reaction(floor)` in the other), and events that lead from one to the other"
+        "`{words}` is not linear in its reactions, and {context} must be" "" "use a phase for each sign of the reaction, with a force of its own in each (`-mu*reaction(floor)` in one, `mu*reaction(floor)` in the other), and events that lead from one to the other; beside `friction` and `contacts`, which make the phases, write out the force across, of which `abs` may be taken (`mu*abs(m*g - F)`), or take a contact for each side"
         "Accelerations and reactions come from one system of linear equations. Within a phase a reaction keeps its sign, or is multiplied by anything of coordinates, velocities and time, so that `abs`, `max` or `sign` of it is not needed.";
     E239 switch_misplaced(words, context) "a discontinuity where it may not be"
         "`{words}` has a kink or jumps along the motion, and {context} may not" "" "write one constraint for each side, each active in a phase of its own, and events that lead from one to the other; what has a rate and no inertia, `z' = f`, is a state: `states: {{z: {{rate: f}}}}`"

@@ -1,0 +1,101 @@
+//! Limits of friction that are none.
+
+use crate::cause::Cause;
+use crate::mechanism::dense::{constraint_matrix, multiplier_effects};
+use crate::mechanism::{At, ContactEvent, ContactMode, System};
+
+/// A limit below this part of what the forces make of it is zero.
+const NOTHING: f64 = 1e-10;
+
+/// The limits of what rubs and touches, or of contacts the coefficients of friction.
+struct Limit {
+    contact: usize,
+    /// While it slides, and the size of that while it sticks.
+    slides: f64,
+    sticks: f64,
+    /// What is rounding.
+    zero: f64,
+}
+
+/// Refuses limits that are negative, with which friction would drive, and those of sticking that are smaller than those of sliding, in the phase
+/// in force.
+///
+/// # Errors
+/// [`Cause::NegativeLimit`], [`Cause::StaticBelowLimit`].
+pub(crate) fn possible_limits(system: &mut dyn System, t: f64, y: &[f64]) -> Result<(), Box<Cause>> {
+    let modes = system.contacts().modes(system.phase());
+    let touches: Vec<bool> = modes.into_iter().map(ContactMode::touches).collect();
+    possible_limits_of(system, (t, y), &touches)
+}
+
+/// The same of those that touch, whatever the phase.
+pub(super) fn possible_limits_of(
+    system: &mut dyn System,
+    (t, y): (f64, &[f64]),
+    touches: &[bool],
+) -> Result<(), Box<Cause>> {
+    for Limit { contact, slides, sticks, zero } in limits(system, (t, y), touches) {
+        let known = &system.contacts().all[contact];
+        let (friction, is_coefficient) = (known.name.to_string(), known.normal.is_some());
+        if slides < -zero {
+            return Err(Cause::NegativeLimit { friction, limit: slides, is_coefficient }.into());
+        }
+        if sticks < slides - zero {
+            return Err(Cause::StaticBelowLimit { friction, sticking: sticks, sliding: slides, is_coefficient }.into());
+        }
+    }
+    Ok(())
+}
+
+fn limits(system: &mut dyn System, (t, y): (f64, &[f64]), touches: &[bool]) -> Vec<Limit> {
+    let (n, phase, contacts) = (system.len(), system.phase(), system.contacts().all.clone());
+    let (modes, rows) = (system.contacts().modes(phase), system.description().rows.len());
+    let at = At::packed(t, y, n);
+    let (mut a, mut lambda) = (vec![0.0; n], vec![0.0; rows]);
+    let mut found = Vec::new();
+    let rubs = (0..contacts.len()).filter(|k| contacts[*k].tangent.is_some() && touches[*k]);
+    if system.accelerations_and_multipliers(at, &mut a, &mut lambda).is_err() {
+        return found;
+    }
+    let all: Vec<usize> = (0..rows).collect();
+    for k in rubs {
+        let (Some(tangent), Some(event)) = (contacts[k].tangent, contacts[k].event(ContactEvent::Slips)) else {
+            continue;
+        };
+        let tangent = tangent as usize;
+        // Of a contact the coefficient is looked at: what it is with a force across of 1.
+        let mut known = match contacts[k].normal {
+            Some(normal) => (0..rows).map(|row| f64::from(u8::from(row == normal as usize))).collect(),
+            None => lambda.clone(),
+        };
+        known[tangent] = 0.0;
+        let mut forces = |mode: ContactMode| -> Vec<f64> {
+            let mut modes = modes.clone();
+            modes[k] = mode;
+            let phase = system.contacts().phase(&modes);
+            system.set_phase(phase);
+            let by_multipliers = multiplier_effects(system, at, &all);
+            let mut h = vec![0.0; n];
+            if contacts[k].normal.is_none() {
+                system.bias(at, &mut h);
+            }
+            (0..n).map(|i| (0..rows).map(|row| by_multipliers[(i, row)] * known[row]).sum::<f64>() - h[i]).collect()
+        };
+        let [forwards, backwards] = [ContactMode::SlipsForwards, ContactMode::SlipsBackwards].map(&mut forces);
+        let along = constraint_matrix(system, at, &[tangent]);
+        let (along, size) = (along.as_slice(), along.norm_squared());
+        // Sliding forwards it pushes with −L along the rate, backwards with L.
+        let part = |of: &dyn Fn(usize) -> f64| (0..n).map(|i| along[i] * of(i)).sum::<f64>() / size;
+        let slides = 0.5 * part(&|i| backwards[i] - forwards[i]);
+        let terms =
+            (0..n).map(|i| (along[i] * forwards[i]).abs().max((along[i] * backwards[i]).abs())).sum::<f64>() / size;
+        let mut pairs = vec![0.0; 2 * system.description().events.len()];
+        system.events(at.accelerated(&a).constrained(&known), &mut pairs);
+        let sticks = pairs[2 * event].max(0.0).sqrt();
+        if slides.is_finite() && sticks.is_finite() {
+            found.push(Limit { contact: k, slides, sticks, zero: NOTHING * terms.max(sticks) });
+        }
+    }
+    system.set_phase(phase);
+    found
+}

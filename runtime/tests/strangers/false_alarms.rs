@@ -1,0 +1,138 @@
+//! Warnings, question marks and causes that did not fit: the numbers behind them were right.
+
+use std::fs;
+
+use dalembert::{Cause, Error, Warning};
+
+use super::{case, folder, program};
+
+/// What `simulate` prints of a model file's text.
+fn simulated(name: &str, text: &str) -> String {
+    let path = folder(name).join("model.yaml");
+    fs::write(&path, text).expect("a file");
+    program(&["simulate", path.to_str().expect("a path")]).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A tank that is shut off when it is empty, where its level stays.
+const EMPTIED: &str = r#"
+name: Emptied
+parameters: {q: 2 kg/s}
+states: {a: {unit: kg, rate: -q*on}}
+memory: {on: 1}
+events: {empty: {when: a, direction: falling, then: {set: {on: 0, a: 0}}}}
+scene: {start: {a: 70 kg}, until: 60, tolerance: 1e-11}
+"#;
+
+#[test]
+fn the_time_of_an_event_that_leaves_its_function_at_zero_was_unknown() {
+    // 70 kg at 2 kg/s.
+    assert!(simulated("emptied", EMPTIED).contains("event empty at t = 35.0"));
+    // What is flat about its zero is known no better, as before: (t − 1)³.
+    let flat = "name: Flat\nstates: {a: {unit: 1, rate: 1 + 0*a}}\nevents: {zero: {when: a^3 - 3*a^2 + 3*a - 1, then: record}}\n\
+                scene: {start: {a: 0}, until: 2, tolerance: 1e-11}\n";
+    let printed = simulated("flat", flat);
+    let digits = printed.lines().find_map(|line| line.trim().strip_prefix("event zero at t = ")).expect("an event");
+    assert!(digits.len() < 9, "{digits}");
+}
+
+#[test]
+fn what_set_what_ended_a_run_was_said_to_lie_near_its_end() {
+    let relay = "name: Relay\nparameters: {m: 1 kg, F: 3 N, h: 0.1 m}\ncoordinates: {x: m}\nmemory: {s: 1, n: 0}\n\
+                 bodies: {p: {mass: m, position: \"[x, 0]\"}}\nforces: {f: {on: p, force: \"[s*F, 0]\"}}\n\
+                 events:\n  up: {when: x - h, direction: rising, then: {set: {s: -1, n: n + 1}}}\n  \
+                 fin: {on_set: n, if: n - 0.5, then: stop}\n\
+                 scene: {start: {x: 0}, until: 10, tolerance: 1e-12}\n";
+    let mut stops = case(relay);
+    stops.settings.digits = true;
+    let run = stops.run();
+    // h = F t²/2m.
+    assert!((run.last().t - (0.2_f64 / 3.0).sqrt()).abs() < 1e-12);
+    assert!(run.warnings.is_empty(), "{:?}", run.warnings);
+    // An end that a time is, and not what happens there, may be just before or just after it.
+    let mut near = case(&relay.replace("then: stop", "then: {set: {s: -1}}"));
+    near.settings.digits = true;
+    near.settings.until = run.last().t * (1.0 + 1e-15);
+    let near = near.run();
+    assert!(near.warnings.iter().any(|warning| matches!(warning, Warning::EventNearEnd { .. })), "{:?}", near.warnings);
+}
+
+/// A point that strikes, and what counts the impacts.
+const COUNTED: &str = r#"
+name: Counted
+parameters: {m: 1 kg, e: 0.5, d: 0.5 m}
+coordinates: {x: m}
+memory: {h: 0, k: 0}
+bodies: {p: {mass: m, position: "[x, 0]"}}
+constraints: {wall: x - d}
+phases: {fly: [], rest: [wall]}
+events:
+  hit: {when: x - d, direction: rising, phase: fly, then: [{impact: e, along: wall}, {set: {h: h + 1}}]}
+  follow: {on_set: h, then: {set: {k: k + 10}}}
+scene: {start: {x: 0, x': 1}, until: 2, tolerance: 1e-11}
+"#;
+
+#[test]
+fn sets_that_follow_each_other_without_end_were_called_dry_friction() {
+    let Err(Error::Run(failure)) = case(&COUNTED.replace("k: k + 10", "h: h + 10")).try_run() else { panic!("an end") };
+    assert_eq!(failure.cause, Cause::EndlessSets { event: "follow".to_owned() });
+    // What the impact took is no error of the integration.
+    assert!(failure.run.energy_balance.is_some_and(|drift| drift < 1e-12), "{:?}", failure.run.energy_balance);
+    assert!(failure.run.warnings.is_empty(), "{:?}", failure.run.warnings);
+    let run = case(COUNTED).run();
+    assert!((run.last()["x"] + 0.25).abs() < 1e-12 && run.memory("k") == Some(10.0));
+}
+
+/// A block on a plane that turns, at the limit of its friction.
+const TURNING: &str = r#"
+name: Turning
+parameters: {m: 1 kg, g: 9.81 m/s^2, al: 0.1 rad, w: 0.1 rad/s}
+coordinates: {s: m, n: m}
+inputs: {tilt: al + w*t}
+frames: {B: {angle: tilt}}
+bodies: {p: {mass: m, position: "s*B.x + n*B.y"}}
+gravity: [0, -g]
+constraints: {plane: n}
+friction: {rub: {rate: s', on: p, along: B.x, limit: "tan(al)*reaction(plane)"}}
+scene: {start: {s: 1e-6, s': 0}, until: 1, tolerance: 1e-12}
+"#;
+
+#[test]
+fn an_event_that_was_listed_was_said_to_be_not_counted() {
+    for al in ["0.1", "0.2", "0.5"] {
+        let run = case(&TURNING.replace("al: 0.1", &format!("al: {al}"))).run();
+        assert_eq!(run.events.len(), 1, "{al}");
+        assert!(run.events[0].name == "rub slips" && run.warnings.is_empty(), "{al}: {:?}", run.warnings);
+    }
+    // A function that jumps over zero is still no event.
+    let jumps = "name: Jumps\ncoordinates: {x: m}\nparameters: {m: 1 kg, d: 1 m}\nbodies: {b: {mass: m, position: \"[x, 0]\"}}\n\
+                 events: {over: {when: step(x - d) - 0.5, then: record}}\nscene: {start: {x: 0, x': 1}, until: 2, tolerance: 1e-10}\n";
+    let run = case(jumps).run();
+    assert!(run.events.is_empty() && run.warnings.iter().any(|warning| matches!(warning, Warning::NoCrossing { .. })));
+}
+
+/// A block on rough ground that springs bring to rest, in units of its own.
+const SCALED: &str = r#"
+name: Scaled
+parameters: {S: 1, Q: 1, m: 1 kg, g0: 10 m/s^2, v0: 3 m/s, mu: 0.2, k0: 4 N/m, g: g0*S/Q^2, v: v0*S/Q, k: k0/Q^2}
+coordinates: {x: m, y: m}
+bodies: {b: {mass: m, position: "[x, y]"}}
+gravity: [0, -g]
+forces: {spring: {on: b, force: "[-k*x, 0]"}}
+contacts: {floor: {gap: y, on: b, normal: "[0, 1]", friction: mu, restitution: 0.5 1}}
+scene: {start: {x: 0, y: S*1 m, x': v}, until: 5*Q, tolerance: 1e-11}
+"#;
+
+#[test]
+fn what_rests_in_large_units_of_time_had_steps_that_were_too_small() {
+    let digits = |q: &str| {
+        let mut case = case(&SCALED.replace("S: 1, Q: 1", &format!("S: {q}, Q: {q}")));
+        case.settings.digits = true;
+        let run = case.run();
+        let scale: f64 = q.parse().expect("a number");
+        assert!((run.last()["x"] / scale + 0.186_474_581_1).abs() < 1e-9, "{q}: {}", run.last()["x"]);
+        run.digits("x").expect("digits")
+    };
+    for q in ["1", "1e-6", "1e6", "1e9", "1e10"] {
+        assert!(digits(q) >= 9, "{q}: {}", digits(q));
+    }
+}

@@ -1,0 +1,130 @@
+//! Second runs that began otherwise than the first went on: digits that were lost, and advice that did not fit.
+
+use dalembert::{Loss, Run, Warning};
+
+use super::case;
+
+/// The run with its digits.
+fn judged(text: &str) -> Run {
+    let mut case = case(text);
+    case.settings.digits = true;
+    case.run()
+}
+
+/// A dose that a tick adds to what decays.
+const DOSE: &str = r#"
+name: Dose
+states: {z: {unit: 1, rate: -r*z}}
+parameters: {r: 1 1/s}
+memory: {n: 0}
+events: {dose: {every: 1 s, then: {set: {z: z + 1, n: n + 1}}}}
+scene: {start: {z: 0}, until: 0.5, tolerance: 1e-11}
+"#;
+
+#[test]
+fn a_tick_at_the_start_happened_twice_in_a_second_run() {
+    // One dose at t = 0: e^−t; with the ticks of 1 s and 2 s as well at t = 2.5.
+    for (until, doses, z) in
+        [("0.5", 1.0, (-0.5_f64).exp()), ("2.5", 3.0, [-2.5_f64, -1.5, -0.5].map(f64::exp).iter().sum())]
+    {
+        let run = judged(&DOSE.replace("until: 0.5", &format!("until: {until}")));
+        assert!((run.last()["z"] - z).abs() < 1e-10 && run.memory("n") == Some(doses), "{}", run.last()["z"]);
+        assert!(run.digits("z").is_some_and(|digits| digits >= 9), "until {until}: {:?}", run.digits("z"));
+        assert!(run.warnings.is_empty(), "{:?}", run.warnings);
+    }
+    // A first tick after the start was right before.
+    let later = judged(&DOSE.replace("every: 1 s", "every: 1 s, from: 0.1 s"));
+    assert!(
+        (later.last()["z"] - (-0.4_f64).exp()).abs() < 1e-10 && later.digits("z").is_some_and(|digits| digits >= 9)
+    );
+}
+
+/// A ball between walls that touches where it starts and is not held there.
+const BETWEEN: &str = r#"
+name: Between
+parameters: {m: 1 kg, g: 10 m/s^2, e: 1 1, a: 2 m, b: 1 m}
+coordinates: {x: m, y: m}
+bodies: {ball: {mass: m, position: "[x, y]"}}
+gravity: [0, -g]
+contacts:
+  left: {gap: x, on: ball, normal: "[1, 0]", restitution: e}
+  right: {gap: a - x, on: ball, normal: "[-1, 0]", restitution: e}
+  down: {gap: y, on: ball, normal: "[0, 1]", restitution: e}
+  up: {gap: b - y, on: ball, normal: "[0, -1]", restitution: e}
+impacts: sequential
+scene: {start: {x: 0, y: 1}, until: 0.4, tolerance: 1e-11}
+"#;
+
+#[test]
+fn a_second_run_began_inside_a_wall() {
+    // It falls from the ceiling along a wall; is thrown from the corner; and, as before, from where nothing touches.
+    let fall = |t: f64, y: f64, v: f64| y + v * t - 5.0 * t * t;
+    for (start, g, [x, y]) in [
+        ("{x: 0, y: 1}", "10", [0.0, fall(0.4, 1.0, 0.0)]),
+        ("{x: 0, y: 1, x': 2}", "10", [0.8, fall(0.4, 1.0, 0.0)]),
+        ("{x: 0, y: 0, x': -2, y': -1}", "0", [0.8, 0.4]),
+        ("{x: 0, y: 0, x': 2, y': 3}", "10", [0.8, fall(0.4, 0.0, 3.0)]),
+        ("{x: 2, y: 1, x': 2, y': 2}", "0", [1.2, 0.2]),
+        ("{x: 0.5, y: 0.9, x': 2}", "10", [1.3, fall(0.4, 0.9, 0.0)]),
+    ] {
+        let text = BETWEEN.replace("{x: 0, y: 1}", start).replace("g: 10", &format!("g: {g}"));
+        let run = judged(&text);
+        let last = run.last();
+        assert!((last["x"] - x).abs() < 1e-10 && (last["y"] - y).abs() < 1e-10, "{start}: {} {}", last["x"], last["y"]);
+        let digits = ["x", "y"].map(|name| run.digits(name).filter(|_| last[name] != 0.0));
+        assert!(digits.iter().flatten().all(|digits| *digits >= 9), "{start}: {digits:?}");
+        assert!(run.warnings.is_empty(), "{start}: {:?}", run.warnings);
+    }
+}
+
+/// A pendulum that starts upright but for a rounding: no second run may agree.
+#[test]
+fn a_start_that_is_unstable_is_still_told() {
+    let run = judged(
+        "name: Upright\nparameters: {m: 1 kg, l: 1 m, g: 10 m/s^2}\ncoordinates: {theta: rad}\n\
+         bodies: {bob: {mass: m, position: \"l*[sin(theta), -cos(theta)]\"}}\ngravity: [0, -g]\n\
+         scene: {start: {theta: pi, theta': 0}, until: 20, tolerance: 1e-11}\n",
+    );
+    assert!(run.warnings.iter().any(|warning| matches!(warning, Warning::DigitsLost { .. })), "{:?}", run.warnings);
+}
+
+#[test]
+fn an_impact_at_a_reported_time_took_all_digits() {
+    // Thrown up at 3 m/s, with e = 1/2 back at 0.6 s and 0.9 s, which are reported times; 0.1 s after the second landing v = 0.75 − 1.
+    let ball = "name: Ball\nparameters: {m: 1 kg, g: 10 m/s^2, e: 0.5 1}\ncoordinates: {y: m}\n\
+                bodies: {b: {mass: m, position: \"[0, y]\"}}\ngravity: [0, -g]\n\
+                contacts: {floor: {gap: y, on: b, normal: \"[0, 1]\", restitution: e}}\n\
+                scene: {start: {y: 0, y': 3}, until: 1, tolerance: 1e-11}\n";
+    for every in ["0.1", "0.002", "0.037"] {
+        let run = judged(&ball.replace("until: 1", &format!("until: 1, every: {every}")));
+        let last = run.last();
+        assert!((last["y"] - 0.025).abs() < 1e-12 && (last["y'"] + 0.25).abs() < 1e-12, "{every}");
+        let digits = ["y", "y'"].map(|name| run.digits(name).expect("digits"));
+        assert!(digits.iter().all(|digits| *digits >= 8), "every {every}: {digits:?}");
+        assert!(run.warnings.is_empty(), "every {every}: {:?}", run.warnings);
+    }
+    // A run that ends at a landing has either speed, as before.
+    let until = judged(&ball.replace("until: 1", "until: 0.9"));
+    assert!(until.errors("y'").and_then(|errors| errors.last().copied()).is_some_and(|error| error > 1.0));
+}
+
+#[test]
+fn a_second_run_that_fails_was_said_to_want_a_smaller_tolerance() {
+    // A block at the edge of what its force is defined for: a rounding farther there is none.
+    let edge = "name: Edge\nparameters: {m: 1 kg, k: 1 N/m^0.5, d: 1 m, g: 10 m/s^2}\ncoordinates: {x: m, y: m}\n\
+                bodies: {b: {mass: m, position: \"[x, y]\"}}\ngravity: [0, -g]\n\
+                forces: {f: {on: b, force: \"[-k*sqrt(d - x), 0]\"}}\n\
+                scene: {start: {x: d, y: 0, y': 1}, until: 2, tolerance: 1e-10}\n";
+    let lost = |run: &Run| {
+        let why = run.warnings.iter().find_map(|warning| match warning {
+            Warning::DigitsLost { why, .. } => Some(*why),
+            _ => None,
+        });
+        why.expect("lost digits")
+    };
+    let why = lost(&judged(edge));
+    assert!(matches!(why, Loss::Fails { t: 0.0, cause: "not finite" }), "{why}");
+    // Within it there are digits.
+    let run = judged(&edge.replace("x: d", "x: 0.5*d"));
+    assert!(run.digits("y").is_some_and(|digits| digits >= 9), "{:?}", run.digits("y"));
+}

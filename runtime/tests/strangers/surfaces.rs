@@ -1,0 +1,68 @@
+//! States of first order on surfaces: runs that ended with `chattering` and advice on dry friction.
+
+use dalembert::{Cause, Error};
+
+use super::case;
+
+/// A motion that winds about the origin: both surfaces are crossed again and again, in times that shrink to a third.
+const WINDS: &str = r#"
+name: Winds
+states: {x: {rate: "-sign(x) + 2*sign(y) + d"}, y: {rate: "-2*sign(x) - sign(y)"}}
+inputs: {d: 0*t}
+scene: {start: {x: 1, y: 0.3}, until: 10, tolerance: 1e-11}
+"#;
+
+#[test]
+fn what_winds_into_the_origin_stays_there() {
+    // It crosses y = 0 at t = 0.1 with x = 1.1, and is at the origin after 1.1/3 (1 + 1/3 + 1/9 + …) = 0.55 more.
+    let at = |text: &str, until: &str| {
+        let mut case = case(text);
+        case.settings.until = until.parse().expect("a number");
+        let run = case.run();
+        [run.last()["x"], run.last()["y"]]
+    };
+    let near = |found: [f64; 2], expected: [f64; 2], text: &str| {
+        let far = found.iter().zip(expected).any(|(found, expected)| (found - expected).abs() > 1e-9);
+        assert!(!far, "{text}: {found:?}, not {expected:?}");
+    };
+    near(at(WINDS, "0.05"), [1.05, 0.15], "before the first surface");
+    near(at(WINDS, "0.2"), [0.8, -0.1], "beyond it");
+    near(at(WINDS, "10"), [0.0, 0.0], "at rest");
+    // What pushes harder from second to second, 1 a second, is held by sign(x) = d/5 and sign(y) = −2 d/5 until d = 2.5; then y slides off, at 5 − 2 d,
+    // with sign(x) = d − 2, which is held until d = 3.
+    let pushed = WINDS.replace("0*t", "1*t").replace("x: 1, y: 0.3", "x: 0.1, y: 0.03");
+    near(at(&pushed, "2.4"), [0.0, 0.0], "held");
+    near(at(&pushed, "2.95"), [0.0, -0.45 * 0.45], "sliding off");
+}
+
+#[test]
+fn a_tank_that_runs_empty_stays_empty() {
+    // h = (1 − k t/2)², and 0 from t = 2/k on.
+    for rate in ["-k*sqrt(max(0, h))", "-k*sign(h)*sqrt(abs(h))"] {
+        let text = format!(
+            "name: Tank\nparameters: {{k: 0.5 m^0.5/s}}\nstates: {{h: {{unit: m, rate: \"{rate}\"}}}}\n\
+             scene: {{start: {{h: 1}}, until: 10, tolerance: 1e-11}}\n"
+        );
+        for (until, h) in [(2.0, 0.25), (3.9, 0.000_625), (4.5, 0.0), (10.0, 0.0)] {
+            let mut tank = case(&text);
+            tank.settings.until = until;
+            let found = tank.run().last()["h"];
+            assert!((found - h).abs() < 1e-10, "{rate} {until}: {found}, not {h}");
+        }
+    }
+}
+
+#[test]
+fn states_that_nothing_holds_are_not_told_of_friction() {
+    // The twisting algorithm: crossings of x = 0 accumulate, and no side of its sign changes the rate of x.
+    let twisting = "name: Twisting\nstates: {x: {rate: y}, y: {rate: -2*sign(x) - sign(y)}}\n\
+                    scene: {start: {x: 1}, until: 20, tolerance: 1e-10}\n";
+    let Err(Error::Run(failure)) = case(twisting).try_run() else { panic!("a motion") };
+    assert!(matches!(&failure.cause, Cause::ChatteringStates { switch } if switch == "x"), "{}", failure.cause);
+    // What friction or a constraint may hold is told of these, as before.
+    let moving = "name: Twisting\nparameters: {m: 1 kg, F: 1 N}\ncoordinates: {x: m}\nbodies: {b: {mass: m, position: \"[x, 0]\"}}\n\
+                  forces: {f: {on: b, force: \"[-2*F*sign(x) - F*sign(x'), 0]\"}}\n\
+                  scene: {start: {x: 1}, until: 20, tolerance: 1e-10}\n";
+    let Err(Error::Run(failure)) = case(moving).try_run() else { panic!("a motion") };
+    assert!(matches!(failure.cause, Cause::Chattering { .. }), "{}", failure.cause);
+}
