@@ -68,10 +68,19 @@ pub use modes::{
     root_locus,
 };
 pub use rigid::{Part, name_free_modes};
+pub use typed::Linearise;
 
 /// Whether coordinates depend on each other: where constraints act, and where some are the numbers of a rotation.  Such a mechanism is
 /// linearised by [`linearise_constrained`].
 pub fn has_dependent_coordinates<S: System + ?Sized>(system: &S) -> bool {
     !system.active_rows().is_empty() || !system.description().rotations.is_empty()
 }
-pub use typed::Linearise;
+
+/// Where a search for rest starts: the file's guess, or a motion's start where the file gives none and constraints must be met.
+pub(crate) fn guess_of_rest<S: System + ?Sized>(system: &S, start: &[f64]) -> Vec<f64> {
+    let guess = system.equilibrium_guess();
+    let rotations = &system.description().rotations;
+    let of_rotation = |i: usize| rotations.iter().any(|first| (*first as usize..*first as usize + 4).contains(&i));
+    let given = guess.iter().enumerate().any(|(i, q)| *q != 0.0 && !of_rotation(i));
+    if !given && has_dependent_coordinates(system) { start.to_vec() } else { guess }
+}

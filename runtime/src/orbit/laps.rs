@@ -166,7 +166,8 @@ impl Laps {
         let pieces = self.run(point, lap.0, tolerance)?;
         let width = 2 * self.n();
         let closes = pieces.len() * width;
-        let size = closes + self.momenta.len() + usize::from(self.condition.is_some());
+        let kept = self.momenta.len() + 2 * self.system.description().rotations.len();
+        let size = closes + kept + usize::from(self.condition.is_some());
         let (mut r, mut j) = (DVector::zeros(size), DMatrix::zeros(size, self.unknowns()));
         for k in 0..pieces.len() {
             self.close(point, (&pieces, k), lap, (&mut r, &mut j));
@@ -299,13 +300,25 @@ impl Laps {
         self.ask(last, energy - wanted, &slopes, (r, j));
     }
 
-    /// That momenta at the start are those of the guess, from a row on.
+    /// That momenta at the start are those of the guess, and quaternions of unit length that stay so, from a row on.
     fn ask_kept(&mut self, pieces: &[Leg], from: usize, (r, j): (&mut DVector<f64>, &mut DMatrix<f64>)) {
         let side = &pieces[0].start;
         crate::vary::put(&mut *self.system, side);
         for (k, (shift, wanted)) in self.momenta.iter().enumerate() {
             let (momentum, slopes) = super::structure::momentum(&*self.system, side, shift);
             self.ask(from + k, momentum - wanted, slopes.as_slice(), (r, j));
+        }
+        let (n, from) = (self.n(), from + self.momenta.len());
+        for (k, first) in self.system.description().rotations.iter().enumerate() {
+            let (mut length, mut rate) = (vec![0.0; 2 * n], vec![0.0; 2 * n]);
+            for i in *first as usize..*first as usize + 4 {
+                let (q, v) = (side.y[i], side.y[n + i]);
+                (length[i], rate[i], rate[n + i]) = (q, v, q);
+            }
+            let dot = |slopes: &[f64]| slopes.iter().zip(&side.y).map(|(a, b)| a * b).sum::<f64>();
+            self.ask(from + 2 * k, 0.5 * (dot(&length) - 1.0), &length, (r, j));
+            // Each product q v stands twice in what its slopes make of [q; q'].
+            self.ask(from + 2 * k + 1, 0.5 * dot(&rate), &rate, (r, j));
         }
     }
 

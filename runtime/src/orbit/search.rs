@@ -10,6 +10,7 @@ use super::guess::{first_run, states_of};
 use super::laps::{Condition, Laps, Time};
 use super::{guess, structure};
 use crate::error::{Error, NoOrbit};
+use crate::linear::has_dependent_coordinates;
 use crate::mechanism::{Action, Closes, Description, Goal, System};
 use crate::run::{Run, Side};
 use crate::simulate::{Described, Settings, Simulation};
@@ -203,8 +204,13 @@ impl OrbitSearch {
         let drive = if timed { Drive::of(&*system, self.period)? } else { Drive::None };
         let (mut rest_energy, mut period) = (0.0, self.period);
         if let Some(mode) = self.mode {
-            let (y, time, energy) = guess::mode(&*system, &system.equilibrium_guess(), mode, self.energy)?;
+            let (y, time, energy) = guess::mode(&*system, &settings.q, mode, self.energy)?;
             guess::begin_at(&mut settings, y);
+            if has_dependent_coordinates(&*system) {
+                // Brought to the constraints.
+                let n = system.len();
+                (settings.held_q, settings.held_v, settings.guessed) = (vec![false; n], vec![false; n], true);
+            }
             (rest_energy, period) = (energy, period.or(Some(time)));
         }
         let time = match (closing.by, timed) {
@@ -216,6 +222,10 @@ impl OrbitSearch {
             period = Some(drive.period(&*system)?);
         }
         let (run, scales, lap) = first_run(&mut *system, &mut settings, &closing, (period, timed))?;
+        if self.mode.is_some() {
+            let first = run.first();
+            guess::begin_at(&mut settings, [first.q, first.v].concat());
+        }
         if timed
             && Closing::period(system.description())
                 .differs(&*system, &states_of(&run), period.unwrap_or(lap))

@@ -52,7 +52,25 @@ pub(super) fn gradients(system: &dyn System, side: &Side, shifts: &[(String, DVe
         name: name.replacen("shift", "momentum", 1),
         direction: momentum(system, side, &shift).1,
     });
-    said.chain(momenta).collect()
+    said.chain(momenta).chain(lengths(system, side, true)).collect()
+}
+
+/// Of each rotation the rate q·q' of its quaternion's length, by [q; q'], or the growth (q, q') of that length, which is free: of such
+/// quaternions only the direction matters.
+fn lengths(system: &dyn System, side: &Side, rates: bool) -> Vec<Known> {
+    let n = system.len();
+    let description = system.description();
+    let of = |first: usize| {
+        let mut direction = DVector::zeros(2 * n);
+        for i in first..first + 4 {
+            let (q, v) = (side.y[i], side.y[n + i]);
+            (direction[i], direction[n + i]) = if rates { (v, q) } else { (q, v) };
+        }
+        let name = description.coordinate_name(first);
+        let rotation = name.rsplit_once('.').map_or(name.as_str(), |(rotation, _)| rotation);
+        Known { name: format!("length of {rotation}"), direction }
+    };
+    description.rotations.iter().map(|first| of(*first as usize)).collect()
 }
 
 /// Of shifts that change nothing those whose momentum is conserved, as no force or constraint acts along them.
@@ -100,6 +118,7 @@ pub(super) fn generators(
         let direction = DVector::from_iterator(2 * n, shift.iter().copied().chain(std::iter::repeat_n(0.0, n)));
         list.push(Known { name: name.clone(), direction });
     }
+    list.extend(lengths(system, side, false));
     if !system.active_rows().is_empty() {
         return list;
     }
@@ -117,7 +136,11 @@ pub(super) fn generators(
 
 /// What to call the motion that a conserved quantity generates; of time and shifts their own name.
 pub(super) fn motion_name(name: &str) -> String {
-    if name == "time" || name.starts_with("shift") { name.to_owned() } else { format!("the motion of `{name}`") }
+    if name == "time" || ["shift", "length"].iter().any(|word| name.starts_with(word)) {
+        name.to_owned()
+    } else {
+        format!("the motion of `{name}`")
+    }
 }
 
 /// ∂F/∂q', with the accelerations of the motion.

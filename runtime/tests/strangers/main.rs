@@ -10,6 +10,7 @@ mod events;
 mod extremes;
 mod gaps;
 mod gimbal_lock;
+mod orbits;
 mod pictures;
 mod printing;
 mod reactions;
