@@ -41,6 +41,8 @@ use crate::mechanism::System;
 pub use crate::error::{LinearError, Residual};
 pub use crate::numbers::{short, short_beside, short_within};
 pub use branch::{Branch, BranchPoint, Change, CriticalSpeed, Threshold, ThresholdKind, Varied, follow};
+#[cfg(feature = "cli")]
+pub(crate) use constrained::lone_steady_coordinates;
 #[cfg(all(feature = "modal", feature = "cli"))]
 pub(crate) use constrained::turns_as_a_whole;
 pub use constrained::{Constrained, linearise_constrained, linearise_driven, steady_coordinates};
