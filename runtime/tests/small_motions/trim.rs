@@ -162,3 +162,21 @@ fn the_state_space_model_is_that_of_the_trimmed_rest() {
     // The report on the file stands after the table.
     assert!(text.find("x' = A x + B u").unwrap() > text.find("modes, each scaled").unwrap(), "{text}");
 }
+
+/// Watt's governor with a sleeve on its balls: cos θ = (m + M) g/(m l W²), at the speed W that the scene's start says with it.
+#[test]
+fn speeds_of_the_start_follow_what_is_sought() {
+    let governor = "name: Governor\nparameters: {m: 0.5 kg, M: 2 kg, l: 0.3 m, g: 9.81 m/s^2, W: 9 rad/s, J: 0.02 kg*m^2}\n\
+        coordinates: {phi: rad, al: rad}\nkinetic_energy: (J/2 + m*(l*sin(al))^2)*phi'^2 + m*(l*al')^2 + M*(2*l*sin(al)*al')^2/2\n\
+        potential_energy: -2*(m + M)*g*l*cos(al)\nscene: {start: {phi': W, al: 0.7}, until: 1}\n";
+    let turning = (2.5 * 9.81 / (0.5 * 0.3 * 1.0_f64.cos())).sqrt();
+    for from in ["W", "W=3", "W=40"] {
+        let value = run(governor, &["--steady", "--hold", "al=1", "--solve", from]);
+        close(found(&value, "W"), turning, 1e-12);
+        assert!(value["trim"]["found"]["W"]["uncertainty"].as_f64().unwrap() < 1e-12 * turning);
+    }
+    // What follows the speed too: a mass at a given one, and a speed that is given by hand and stays.
+    let value = run(governor, &["--steady", "--hold", "al=1", "--solve", "M"]);
+    close(found(&value, "M"), 0.5 * 0.3 * 81.0 * 1.0_f64.cos() / 9.81 - 0.5, 1e-12);
+    assert!(words(governor, &["--steady", "--at", "phi'=9", "--hold", "al=1", "--solve", "W"]).is_err());
+}

@@ -178,7 +178,8 @@ fn prepared(context: Context<'_>, options: &ArgMatches) -> Result<Prepared, Prob
     let held = held_note(&*loaded.system).filter(|_| !options.get_flag("sampled"));
     let held = held.into_iter().chain(noise_note(&*loaded.system)).collect();
     let mut guess = Guess { q, v: speeds.v.clone(), inputs };
-    let trim = Trim::new(&mut loaded, options, &mut reader, &mut guess)?;
+    let trim = Trim::new(&mut loaded, options, &mut reader, &mut guess, (scene, &speeds.followed()))?;
+    speeds.v.clone_from(&guess.v);
     loaded.warnings.append(&mut reader.notes);
     let place = Place { guess, here: options.get_flag("here") || trim.is_some(), trim };
     Ok(Prepared { loaded, scene, reader, speeds, place, held })

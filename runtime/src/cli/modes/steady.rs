@@ -41,6 +41,12 @@ impl Speeds {
         Ok(Speeds { scene, of_scene, given, v })
     }
 
+    /// Coordinates whose speeds are those of the scene's start, with whatever parameters.
+    pub fn followed(&self) -> Vec<usize> {
+        let given = |i: &usize| self.given.iter().any(|(given, _)| given == i);
+        self.of_scene.iter().copied().filter(|i| !given(i)).collect()
+    }
+
     /// What `--vary` names, and the unit and the kind of its values.
     pub fn varied(&self, loaded: &Loaded, reader: &mut Reader, name: &str) -> Result<(Varied, String, Sets), Problem> {
         if let Some(name) = name.strip_suffix('\'') {

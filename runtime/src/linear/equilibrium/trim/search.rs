@@ -31,14 +31,16 @@ pub(super) struct Search {
     pub(super) closed: Vec<(usize, f64)>,
     pub(super) unknowns: Vec<Unknown>,
     pub(super) values: Vec<f64>,
+    /// The scene, and the coordinates whose speeds are those of its start, whatever parameters that contains.
+    pub(super) follow: (usize, Vec<usize>),
 }
 
 impl Search {
     pub(super) fn new<S: System + ?Sized>(
         system: &S,
         guess: &Guess,
-        held: &[usize],
-        unknowns: &[Unknown],
+        (held, unknowns): (&[usize], &[Unknown]),
+        (scene, speeds): (usize, &[usize]),
     ) -> Result<Search, LinearError> {
         let (n, mechanical) = (system.len(), system.description().mechanical());
         for (what, given) in [("the point", guess.q.len()), ("the list of speeds", guess.v.len())] {
@@ -68,7 +70,7 @@ impl Search {
         let there = constraint_triples(system, At::new(0.0, &q, &vec![0.0; n]));
         let closes = rows.iter().filter(|row| described[**row].holonomic || described[**row].integral);
         let closed = closes.map(|row| (*row, if described[*row].integral { there[*row][0] } else { 0.0 })).collect();
-        Ok(Search {
+        let mut search = Search {
             base: LinearisationPoint::new(system, guess),
             q,
             inputs,
@@ -80,7 +82,33 @@ impl Search {
             closed,
             unknowns: unknowns.to_vec(),
             values,
-        })
+            follow: (scene, speeds.to_vec()),
+        };
+        search.speeds_follow();
+        Ok(search)
+    }
+
+    /// Speeds of the scene's start, with the present parameters.
+    fn speeds_follow(&mut self) {
+        let (scene, speeds) = &self.follow;
+        if !speeds.is_empty() {
+            let start = self.base.system.borrow().scene(*scene).v;
+            speeds.iter().for_each(|i| self.base.v[*i] = start[*i]);
+        }
+    }
+
+    /// Their slopes by a parameter; 0 of all others.
+    fn speeds_by(&self, parameter: usize) -> Vec<f64> {
+        let (n, (scene, speeds)) = (self.base.n, &self.follow);
+        let mut slopes = vec![0.0; n];
+        if !speeds.is_empty() {
+            // The scene's end, tolerance and spacing, and places, stand before.
+            let mut numbers = vec![0.0; 3 + 2 * n];
+            let along = Along { parameter: Some(parameter), ..Along::default() };
+            self.base.system.borrow().slopes(Function::Scene(*scene), At::default(), &along, &mut numbers);
+            speeds.iter().for_each(|i| slopes[*i] = numbers[3 + n + i]);
+        }
+        slopes
     }
 
     pub(super) fn at(&self) -> At<'_> {
@@ -106,6 +134,7 @@ impl Search {
     pub(super) fn slope(&self, unknown: Unknown) -> DVector<f64> {
         let n = self.base.n;
         let mut slope = DVector::from_element(n + self.closed.len(), f64::NAN);
+        let speeds = if let Unknown::Parameter(index) = unknown { self.speeds_by(index) } else { Vec::new() };
         let system = &**self.base.system.borrow();
         let along = match unknown {
             Unknown::Input(k) => {
@@ -117,7 +146,7 @@ impl Search {
                 slope.rows_mut(n, rows.len()).copy_from(&column);
                 return slope;
             }
-            Unknown::Parameter(index) => Along { parameter: Some(index), ..Along::default() },
+            Unknown::Parameter(index) => Along { parameter: Some(index), v: &speeds, ..Along::default() },
             Unknown::Memory(index) => Along { memory: Some(index), ..Along::default() },
         };
         let mut triples = vec![0.0; 3 * self.lambda.len()];
@@ -222,6 +251,8 @@ impl Rest for Search {
             }
             unknown.give(&mut **system, *value);
         }
+        drop(system);
+        self.speeds_follow();
     }
 
     /// F, then c.
