@@ -6,6 +6,7 @@ use super::super::least_steps::Rest;
 use super::super::{Guess, LinearisationPoint};
 use super::{Trimmed, TrimmedValue, Unknown};
 use crate::linear::LinearError;
+use crate::linear::matrices::natural_sizes;
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{
     constraint_matrix, constraint_rates_by_inputs, constraint_triples, force_slopes, input_matrix, multiplier_effects,
@@ -191,7 +192,19 @@ impl Search {
         }
     }
 
-    /// ∂(F, c)/∂(q or z), a column for each coordinate, held or not.
+    /// What each coordinate or state is large beside.
+    pub(super) fn sizes(&self) -> Vec<f64> {
+        natural_sizes(&self.base.units(), &[&self.q[..self.mechanical], &self.base.v[self.mechanical..]].concat())
+    }
+
+    /// Where the quaternions of rotations begin that nothing holds: only their directions matter, their lengths stay 1.
+    fn turning(&self) -> Vec<usize> {
+        let system = self.base.system.borrow();
+        let rotations = system.description().rotations.iter().map(|first| *first as usize);
+        rotations.filter(|first| !self.held.iter().any(|i| (*first..first + 4).contains(i))).collect()
+    }
+
+    /// ∂(F, c)/∂(q or z), a column for each coordinate, held or not; without what the length of a quaternion does.
     pub(super) fn by_place(&self) -> DMatrix<f64> {
         let (n, system) = (self.base.n, self.base.system.borrow());
         let [by_place, by_speed] = force_slopes(&**system, self.at());
@@ -202,6 +215,12 @@ impl Search {
             slopes.view_mut((0, i), (n, 1)).copy_from(&of.column(i));
         }
         slopes.rows_mut(n, rows.len()).copy_from(&constraint_matrix(&**system, self.at(), &rows));
+        for first in self.turning() {
+            let quaternion = DVector::from_column_slice(&self.q[first..first + 4]);
+            let along = slopes.columns(first, 4) * &quaternion * quaternion.transpose();
+            let mut columns = slopes.columns_mut(first, 4);
+            columns -= along;
+        }
         slopes
     }
 
@@ -244,6 +263,10 @@ impl Rest for Search {
         }
         self.rows.iter().zip(multipliers).for_each(|(row, x)| self.lambda[*row] = *x);
         self.values.copy_from_slice(values);
+        for first in self.turning() {
+            let length = self.q[first..first + 4].iter().map(|x| x * x).sum::<f64>().sqrt();
+            self.q[first..first + 4].iter_mut().for_each(|x| *x /= length);
+        }
         let mut system = self.base.system.borrow_mut();
         for (unknown, value) in self.unknowns.iter().zip(values) {
             if let Unknown::Input(index) = unknown {
@@ -274,9 +297,10 @@ impl Rest for Search {
         self.base.system.borrow().magnitudes(self.at(), &mut sums);
         let triples = constraint_triples(&**self.base.system.borrow(), self.at());
         sums.extend(self.closed.iter().map(|(row, _)| triples[*row][2]));
-        // What the size of each number makes of its slopes: of those that are held too.
+        // What the size of each number makes of its slopes: of those that are held too, and of a turn that is 0 but for rounding beside
+        // the length of its quaternion, or of a place beside others.
         let (slopes, numbers) = (self.slopes(), self.unknowns());
-        let (places, all) = (self.by_place(), [&self.q[..self.mechanical], &self.base.v[self.mechanical..]].concat());
+        let (places, all) = (self.by_place(), self.sizes());
         let made = |(row, sum): (usize, f64)| {
             let by = |slopes: &DMatrix<f64>, numbers: &[f64]| -> f64 {
                 slopes.row(row).iter().zip(numbers).map(|(slope, x)| (slope * x).abs()).sum()
@@ -288,6 +312,11 @@ impl Rest for Search {
                 )
         };
         let mut measures: Vec<f64> = sums.into_iter().enumerate().map(made).collect();
+        // The four equations of a rotation are three moments: what one of them is judged by, all are.
+        for first in self.base.system.borrow().description().rotations.iter().map(|first| *first as usize) {
+            let largest = measures[first..first + 4].iter().fold(0.0_f64, |most, x| most.max(*x));
+            measures[first..first + 4].fill(largest);
+        }
         self.pass_on(&mut measures);
         measures
     }
