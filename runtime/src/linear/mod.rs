@@ -83,6 +83,8 @@ pub(crate) fn guess_of_rest<S: System + ?Sized>(system: &S, start: &[f64]) -> Ve
     let guess = system.equilibrium_guess();
     let rotations = &system.description().rotations;
     let of_rotation = |i: usize| rotations.iter().any(|first| (*first as usize..*first as usize + 4).contains(&i));
-    let given = guess.iter().enumerate().any(|(i, q)| *q != 0.0 && !of_rotation(i));
+    // A rotation that the file says nothing of is as the first scene begins.
+    let unsaid = system.scene(0).q;
+    let given = guess.iter().enumerate().any(|(i, q)| *q != if of_rotation(i) { unsaid[i] } else { 0.0 });
     if !given && has_dependent_coordinates(system) { start.to_vec() } else { guess }
 }
