@@ -191,3 +191,24 @@ fn a_standard_deviation_stood_without_its_scale() {
     assert!(one.starts_with("0.0020") && one.contains(" m, 58 degrees"), "{one}");
     assert!(two.starts_with("0.00100") && two.contains(" of each column's range, 117 degrees"), "{two}");
 }
+
+/// Bare numbers of masses, inertias and gravity are in SI; in the formulas of equations that are made linear they stood as pure numbers.
+#[test]
+fn bare_inertias_kept_equations_from_being_made_linear() {
+    let file = folder("needs").join("pendulum.yaml");
+    let pendulum = "name: Pendulum\nparameters: {l: 1 m, e: 0.1 m}\ncoordinates: {th: rad}\npoints: {P: \"l*[sin(th), 0, -cos(th)]\"}\n\
+        frames: {B: {rotate: [y, -th]}}\nbodies: {bob: {mass: 1, inertia: [0.01, 0.01, 0.002], frame: B, position: P - e*B.z}}\n\
+        gravity: [0, 0, -9.81]\noutputs: {X: P.x}\nscene: {start: {th: 0.01}, until: 2, tolerance: 1e-9, needs: {outputs: [X], within: 1e-2}}\n";
+    let pure = "name: Pure\nparameters: {k: 4}\ncoordinates: {x: 1}\nbodies: {p: {mass: 2, position: \"[x, 0]\"}}\n\
+        potential_energy: k*(1 - cos(x))\nscene: {start: {x: 0.01}, until: 2, tolerance: 1e-9, needs: {outputs: [x], within: 1e-2}}\n";
+    // With units in lists they stood so, too; in a model of pure numbers there is nothing to add.
+    let written = pendulum
+        .replace("mass: 1,", "mass: 1 kg,")
+        .replace("[0.01, 0.01, 0.002]", "[0.01 kg*m^2, 0.01 kg*m^2, 0.002 kg*m^2]");
+    let all = "it does with equations linear";
+    for (text, wanted) in [(pendulum, all), (&written, all), (pure, "it does with potential_energy linear")] {
+        std::fs::write(&file, text).expect("a file");
+        let told = program(&["needs", file.to_str().expect("a path")]).unwrap_or_else(|error| panic!("{error}"));
+        assert!(told.contains(wanted), "{text}{told}");
+    }
+}
