@@ -177,12 +177,15 @@ fn report(loaded: &Loaded, found: &Found, options: &ArgMatches, out: &mut dyn Wr
     let t = &found.end_time;
     writeln!(out, "  at t = {}", if t.error == 0.0 { plain(t.value) } else { text(t) })?;
     if let Some(fit) = &found.fit {
-        writeln!(
-            out,
-            "residuals      standard deviation {}, {} degrees of freedom",
-            crate::numbers::short(fit.sigma),
-            fit.freedoms
-        )?;
+        let of = match fit.columns.as_slice() {
+            [column] => match found.run.unit(column) {
+                unit if unit.is_empty() => unit,
+                unit => format!(" {unit}"),
+            },
+            _ => " of each column's range".to_owned(),
+        };
+        let sigma = crate::numbers::short(fit.sigma);
+        writeln!(out, "residuals      standard deviation {sigma}{of}, {} degrees of freedom", fit.freedoms)?;
     }
     for direction in &found.free {
         let parts: Vec<String> = direction.iter().map(|(name, part)| format!("{name} by {part:.4}")).collect();

@@ -35,6 +35,8 @@ impl Record {
 pub struct Fit {
     /// √(Σ r²/(N − k)): the standard deviation of a measured value, SI where there is one column, else in parts of each column's range.
     pub sigma: f64,
+    /// Names of the columns that were compared.
+    pub columns: Vec<String>,
     /// N − k.
     pub freedoms: usize,
     /// Standard errors of the values that were found, SI.
@@ -85,6 +87,7 @@ pub(super) fn fit(seeker: &mut Seeker, guess: &[f64], record: &Record, places: &
         .map(|(c, size)| (0..length).map(|k| -size * solution.equations.r[c * length + k]).collect());
     let fit = Fit {
         sigma: variance.sqrt() * if sizes.len() == 1 { sizes[0] } else { 1.0 },
+        columns: record.columns.iter().map(|(name, _)| name.clone()).collect(),
         freedoms,
         within: standard_errors.iter().map(|error| quantile * error).collect(),
         standard_errors,

@@ -41,6 +41,8 @@ use crate::mechanism::System;
 pub use crate::error::{LinearError, Residual};
 pub use crate::numbers::{short, short_beside, short_within};
 pub use branch::{Branch, BranchPoint, Change, CriticalSpeed, Threshold, ThresholdKind, Varied, follow};
+#[cfg(feature = "cli")]
+pub(crate) use constrained::lone_steady_coordinates;
 #[cfg(all(feature = "modal", feature = "cli"))]
 pub(crate) use constrained::turns_as_a_whole;
 pub use constrained::{Constrained, linearise_constrained, linearise_driven, steady_coordinates};
@@ -50,7 +52,7 @@ pub use constrained::{Tangent, linearise_tangent, turning_coordinates};
 pub(crate) use equilibrium::force_unit;
 pub use equilibrium::{
     Equilibrium, Guess, Jump, Linearised, Trimmed, TrimmedValue, Unknown, ZeroStiffness, equilibria, equilibrium_here,
-    equilibrium_near, linearise, state_matrix, trim,
+    equilibrium_near, linearise, state_matrix, trim, trim_steady,
 };
 #[cfg(feature = "modal")]
 pub use equilibrium::{SampledLoop, StateSpace, linearise_sampled, linearise_states};
@@ -68,10 +70,21 @@ pub use modes::{
     root_locus,
 };
 pub use rigid::{Part, name_free_modes};
+pub use typed::Linearise;
 
 /// Whether coordinates depend on each other: where constraints act, and where some are the numbers of a rotation.  Such a mechanism is
 /// linearised by [`linearise_constrained`].
 pub fn has_dependent_coordinates<S: System + ?Sized>(system: &S) -> bool {
     !system.active_rows().is_empty() || !system.description().rotations.is_empty()
 }
-pub use typed::Linearise;
+
+/// Where a search for rest starts: the file's guess, or a motion's start where the file gives none and constraints must be met.
+pub(crate) fn guess_of_rest<S: System + ?Sized>(system: &S, start: &[f64]) -> Vec<f64> {
+    let guess = system.equilibrium_guess();
+    let rotations = &system.description().rotations;
+    let of_rotation = |i: usize| rotations.iter().any(|first| (*first as usize..*first as usize + 4).contains(&i));
+    // A rotation that the file says nothing of is as the first scene begins.
+    let unsaid = system.scene(0).q;
+    let given = guess.iter().enumerate().any(|(i, q)| *q != if of_rotation(i) { unsaid[i] } else { 0.0 });
+    if !given && has_dependent_coordinates(system) { start.to_vec() } else { guess }
+}

@@ -39,7 +39,7 @@ pub(super) fn linear(full: &Full) -> Vec<Candidate> {
     let coordinates = &full.system.description().coordinates;
     let Some(rest) = full.rest.as_ref().filter(|_| coordinates.len() <= MOST_COORDINATES) else { return Vec::new() };
     let text = &full.source;
-    let (named, mut places) = named(text);
+    let (named, mut places) = named(text, uses_units(full));
     let [signs, modes] = kept(full, rest);
     let mut about = About { signs, modes, ..About::default() };
     for (coordinate, place) in coordinates.iter().zip(rest) {
@@ -70,25 +70,46 @@ pub(super) fn linear(full: &Full) -> Vec<Candidate> {
     found
 }
 
-/// Values with units that stand where one value is wanted, by their sections and keys.
-const VALUES: [(&str, &str); 5] =
-    [("springs", "stiffness"), ("springs", "rest"), ("dampers", "damping"), ("bodies", "mass"), ("bodies", "inertia")];
+/// Values with units that stand where one value is wanted, by their sections and keys, and the unit that one has without it; of springs that depends on what
+/// they act on.
+const VALUES: [(&str, &str, &str); 5] = [
+    ("springs", "stiffness", ""),
+    ("springs", "rest", ""),
+    ("dampers", "damping", ""),
+    ("bodies", "mass", "kg"),
+    ("bodies", "inertia", "kg*m^2"),
+];
+
+/// Whether a model has quantities: in one of pure numbers alone a bare number has no unit anywhere.
+fn uses_units(full: &Full) -> bool {
+    full.system.description().parameters.iter().any(|parameter| !matches!(&*parameter.unit, "" | "1" | "rad"))
+}
 
 /// The file with these values as parameters, since a formula has no place for a unit, and these parameters.
-fn named(text: &str) -> (String, Vec<Edit>) {
+fn named(text: &str, uses_units: bool) -> (String, Vec<Edit>) {
     let key = |name: &str| Step::Key(name.to_owned());
-    let of_entries = VALUES.into_iter().flat_map(|(section, value)| {
+    let of_entries = VALUES.into_iter().flat_map(|(section, value, unit)| {
         let entries = keys(text, &[key(section)]).into_iter();
-        entries.map(move |name| {
+        entries.flat_map(move |name| {
             let owner = name.split('[').next().unwrap_or(&name).to_owned();
-            ([entry(section, &name).as_slice(), &[key(value)]].concat(), format!("{owner}_{value}"))
+            let path = [entry(section, &name).as_slice(), &[key(value)]].concat();
+            // Of a list, moments of inertia in space, each.
+            let items = ["x", "y", "z"].into_iter().enumerate().map({
+                let (path, owner) = (path.clone(), owner.clone());
+                move |(k, axis)| ([path.as_slice(), &[Step::Index(k)]].concat(), format!("{owner}_{value}_{axis}"))
+            });
+            let all: Vec<_> = std::iter::once((path.clone(), format!("{owner}_{value}"))).chain(items).collect();
+            all.into_iter().map(move |(path, name)| (path, name, unit))
         })
     });
     let gravity = ["x", "y", "z"].into_iter().enumerate();
-    let gravity = gravity.map(|(index, axis)| (vec![key("gravity"), Step::Index(index)], format!("gravity_{axis}")));
+    let gravity =
+        gravity.map(|(index, axis)| (vec![key("gravity"), Step::Index(index)], format!("gravity_{axis}"), "m/s^2"));
     let (mut named, mut parameters) = (text.to_owned(), Vec::new());
-    for (path, name) in of_entries.chain(gravity) {
+    for (path, name, unit) in of_entries.chain(gravity) {
         let Some(written) = value(text, &path) else { continue };
+        let bare = written.parse::<f64>().is_ok_and(|number| number != 0.0);
+        let written = if bare && uses_units && !unit.is_empty() { format!("{written} {unit}") } else { written };
         let is_quantity =
             written.split_once(' ').is_some_and(|(number, unit)| number.parse::<f64>().is_ok() && !unit.is_empty());
         let name = unused(&named, &name);

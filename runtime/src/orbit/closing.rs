@@ -158,11 +158,19 @@ impl Closing {
     pub fn differs(&self, system: &dyn System, states: &[(f64, Vec<f64>, usize)], later: f64) -> Option<Difference> {
         let n = system.len();
         let mut here = system.boxed_clone();
+        let coordinates = &system.description().coordinates;
+        // As far as any coordinate with its unit goes: what rests but for rounding would not show what it does to others.
         let spread = |i: usize| {
-            let values = states.iter().map(|(_, y, _)| y[i]);
-            let [low, high] =
-                values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
-            if high > low { high - low } else { high.abs().max(1e-3) }
+            let half = if i < n { 0 } else { n };
+            let alike = (0..n).filter(|k| coordinates[*k].unit == coordinates[i - half].unit);
+            let range = |k: usize| {
+                let values = states.iter().map(|(_, y, _)| y[half + k]);
+                values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+            };
+            let [range, largest] = alike.map(range).fold([0.0_f64, 0.0], |[range, largest], [low, high]| {
+                [range.max(high - low), largest.max(high.abs()).max(low.abs())]
+            });
+            if range > 0.0 { range } else { largest.max(1e-3) }
         };
         let spreads: Vec<f64> = (0..2 * n).map(spread).collect();
         let every = states.len().div_ceil(PLACES).max(1);

@@ -1,8 +1,13 @@
 //! Where to look for a motion that repeats.
 
+use nalgebra::DVector;
+
 use super::closing::{By, Closing};
 use crate::error::{Error, NoOrbit};
-use crate::linear::{Guess, Reduction, equilibrium_near, linearise, normal_modes};
+use crate::linear::{
+    Guess, Reduction, equilibrium_near, guess_of_rest, has_dependent_coordinates, linearise, linearise_constrained,
+    normal_modes,
+};
 use crate::mechanism::System;
 use crate::run::Run;
 use crate::simulate::{Settings, simulate};
@@ -73,29 +78,59 @@ fn vertex([before, here, after]: [f64; 3]) -> f64 {
 
 /// A state at rest, displaced from the equilibrium along a mode so that the coordinate that moves most moves by this amplitude, or by as much
 /// as gives it an energy if it grows like the square of the amplitude; the period of small motions, and the energy of the equilibrium.
+/// With constraints it is displaced along a tangent of theirs, and the run that begins there closes them.
 ///
 /// # Errors
 /// No equilibrium, no such mode.
 pub(super) fn mode(
     system: &dyn System,
-    near: &[f64],
+    start: &[f64],
     (number, amplitude): (usize, f64),
     wanted: Option<f64>,
 ) -> Result<(Vec<f64>, f64, f64), Error> {
-    let equilibrium = equilibrium_near(system, &Guess::at(near)).map_err(Error::from)?;
-    let linear = linearise(system, &equilibrium).map_err(Error::from)?;
+    let near = Guess::at(&guess_of_rest(system, start));
+    // Where coordinates depend on each other, how all follow the independent ones.
+    let (linear, follow) = match has_dependent_coordinates(system) {
+        true => {
+            let found = linearise_constrained(system, &near, false).map_err(Error::from)?;
+            (found.linear, Some(found.motions))
+        }
+        false => {
+            let equilibrium = equilibrium_near(system, &near).map_err(Error::from)?;
+            (linearise(system, &equilibrium).map_err(Error::from)?, None)
+        }
+    };
     let modes = normal_modes(&linear, Reduction::default()).map_err(Error::from)?;
     let mode = number.checked_sub(1).and_then(|k| modes.get(k)).filter(|mode| mode.omega > 0.0);
     let Some(mode) = mode else { return Err(NoOrbit::NoMode { mode: number, known: modes.len() }.into()) };
-    let shape = mode.real_shape();
+    let independent = mode.real_shape();
+    let shape = match &follow {
+        Some(motions) => (motions * DVector::from_column_slice(&independent)).as_slice().to_vec(),
+        None => independent.clone(),
+    };
     let largest = shape.iter().fold(0.0_f64, |most, x| if x.abs() > most.abs() { *x } else { most });
+    let rests = &linear.equilibrium.q;
     let displaced = |amplitude: f64| -> Vec<f64> {
-        equilibrium.q.iter().zip(&shape).map(|(q, x)| q + amplitude * x / largest).collect()
+        let mut q: Vec<f64> = rests.iter().zip(&shape).map(|(q, x)| q + amplitude * x / largest).collect();
+        for first in system.description().rotations.iter() {
+            let quaternion = &mut q[*first as usize..*first as usize + 4];
+            let length = quaternion.iter().map(|x| x * x).sum::<f64>().sqrt();
+            quaternion.iter_mut().for_each(|x| *x /= length);
+        }
+        q
     };
     let rest = vec![0.0; shape.len()];
     let energy = |q: &[f64]| system.energy(crate::mechanism::At::new(0.0, q, &rest)).jacobi;
-    let least = energy(&equilibrium.q);
-    let grown = wanted.map(|wanted| (wanted / (energy(&displaced(amplitude)) - least)).sqrt());
+    let least = energy(rests);
+    let risen = match &follow {
+        // A shape displaced along a tangent of the constraints has left them: its energy is that of small motions.
+        Some(_) => {
+            let shape = DVector::from_column_slice(&independent) * (amplitude / largest);
+            0.5 * mode.omega * mode.omega * shape.dot(&(linear.m() * &shape))
+        }
+        None => energy(&displaced(amplitude)) - least,
+    };
+    let grown = wanted.map(|wanted| (wanted / risen).sqrt());
     let factor = grown.filter(|factor| factor.is_finite() && *factor > 0.0).unwrap_or(1.0);
     Ok(([displaced(factor * amplitude), rest].concat(), std::f64::consts::TAU / mode.omega, least))
 }

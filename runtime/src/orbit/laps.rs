@@ -53,6 +53,9 @@ pub(super) struct Laps {
     /// A parameter that is unknown too.
     pub parameter: Option<usize>,
     pub condition: Option<Condition>,
+    /// Shifts by any amount, with the momenta along them, which are conserved: they stay those of the guess, or motions that drift ever
+    /// faster would be found beside those that are looked for.
+    pub momenta: Vec<(DVector<f64>, f64)>,
     /// The size of each number of [q; q'].
     pub scales: Vec<f64>,
     /// Pieces of motions with slopes that were made.
@@ -162,11 +165,14 @@ impl Laps {
         let lap = self.lap(point)?;
         let pieces = self.run(point, lap.0, tolerance)?;
         let width = 2 * self.n();
-        let size = pieces.len() * width + usize::from(self.condition.is_some());
+        let closes = pieces.len() * width;
+        let kept = self.momenta.len() + 2 * self.system.description().rotations.len();
+        let size = closes + kept + usize::from(self.condition.is_some());
         let (mut r, mut j) = (DVector::zeros(size), DMatrix::zeros(size, self.unknowns()));
         for k in 0..pieces.len() {
             self.close(point, (&pieces, k), lap, (&mut r, &mut j));
         }
+        self.ask_kept(&pieces, closes, (&mut r, &mut j));
         match self.condition.clone() {
             Some(Condition::Energy(wanted)) => self.ask_energy(wanted, &pieces, (&mut r, &mut j)),
             Some(Condition::Away { from, along, by }) => {
@@ -291,11 +297,38 @@ impl Laps {
         let (side, last) = (&pieces[0].start, r.len() - 1);
         crate::vary::put(&mut *self.system, side);
         let (energy, slopes) = super::structure::energy(&*self.system, side);
+        self.ask(last, energy - wanted, &slopes, (r, j));
+    }
+
+    /// That momenta at the start are those of the guess, and quaternions of unit length that stay so, from a row on.
+    fn ask_kept(&mut self, pieces: &[Leg], from: usize, (r, j): (&mut DVector<f64>, &mut DMatrix<f64>)) {
+        let side = &pieces[0].start;
+        crate::vary::put(&mut *self.system, side);
+        for (k, (shift, wanted)) in self.momenta.iter().enumerate() {
+            let (momentum, slopes) = super::structure::momentum(&*self.system, side, shift);
+            self.ask(from + k, momentum - wanted, slopes.as_slice(), (r, j));
+        }
+        let (n, from) = (self.n(), from + self.momenta.len());
+        for (k, first) in self.system.description().rotations.iter().enumerate() {
+            let (mut length, mut rate) = (vec![0.0; 2 * n], vec![0.0; 2 * n]);
+            for i in *first as usize..*first as usize + 4 {
+                let (q, v) = (side.y[i], side.y[n + i]);
+                (length[i], rate[i], rate[n + i]) = (q, v, q);
+            }
+            let dot = |slopes: &[f64]| slopes.iter().zip(&side.y).map(|(a, b)| a * b).sum::<f64>();
+            self.ask(from + 2 * k, 0.5 * (dot(&length) - 1.0), &length, (r, j));
+            // Each product q v stands twice in what its slopes make of [q; q'].
+            self.ask(from + 2 * k + 1, 0.5 * dot(&rate), &rate, (r, j));
+        }
+    }
+
+    /// That something of the start which differs by so much, with these slopes, does not, as a row of unit length.
+    fn ask(&self, row: usize, differs: f64, slopes: &[f64], (r, j): (&mut DVector<f64>, &mut DMatrix<f64>)) {
         let scaled: Vec<f64> = slopes.iter().zip(&self.scales).map(|(slope, scale)| slope * scale).collect();
         let size = scaled.iter().map(|x| x * x).sum::<f64>().sqrt();
         if size > 0.0 {
-            r[last] = (energy - wanted) / size;
-            scaled.iter().enumerate().for_each(|(i, x)| j[(last, i)] = x / size);
+            r[row] = differs / size;
+            scaled.iter().enumerate().for_each(|(i, x)| j[(row, i)] = x / size);
         }
     }
 

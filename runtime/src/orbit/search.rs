@@ -10,6 +10,7 @@ use super::guess::{first_run, states_of};
 use super::laps::{Condition, Laps, Time};
 use super::{guess, structure};
 use crate::error::{Error, NoOrbit};
+use crate::linear::has_dependent_coordinates;
 use crate::mechanism::{Action, Closes, Description, Goal, System};
 use crate::run::{Run, Side};
 use crate::simulate::{Described, Settings, Simulation};
@@ -203,8 +204,13 @@ impl OrbitSearch {
         let drive = if timed { Drive::of(&*system, self.period)? } else { Drive::None };
         let (mut rest_energy, mut period) = (0.0, self.period);
         if let Some(mode) = self.mode {
-            let (y, time, energy) = guess::mode(&*system, &system.equilibrium_guess(), mode, self.energy)?;
+            let (y, time, energy) = guess::mode(&*system, &settings.q, mode, self.energy)?;
             guess::begin_at(&mut settings, y);
+            if has_dependent_coordinates(&*system) {
+                // Brought to the constraints.
+                let n = system.len();
+                (settings.held_q, settings.held_v, settings.guessed) = (vec![false; n], vec![false; n], true);
+            }
             (rest_energy, period) = (energy, period.or(Some(time)));
         }
         let time = match (closing.by, timed) {
@@ -216,6 +222,10 @@ impl OrbitSearch {
             period = Some(drive.period(&*system)?);
         }
         let (run, scales, lap) = first_run(&mut *system, &mut settings, &closing, (period, timed))?;
+        if self.mode.is_some() {
+            let first = run.first();
+            guess::begin_at(&mut settings, [first.q, first.v].concat());
+        }
         if timed
             && Closing::period(system.description())
                 .differs(&*system, &states_of(&run), period.unwrap_or(lap))
@@ -223,7 +233,7 @@ impl OrbitSearch {
         {
             return Err(NoOrbit::NotThePeriod { period: period.unwrap_or(lap) }.into());
         }
-        may_close(&mut *system, &settings, (&closing, &run), if timed { lap } else { 0.0 })?;
+        let known = may_close(&mut *system, &settings, (&closing, &run), if timed { lap } else { 0.0 })?;
         let acts = run.junctions.iter().any(|junction| !junction.events.is_empty());
         let legs = match closing.by {
             By::After { count, .. } => count,
@@ -232,6 +242,7 @@ impl OrbitSearch {
         };
         let given = closing != Closing::period(system.description());
         let condition = self.energy.map(|energy| Condition::Energy(energy + rest_energy));
+        let momenta = if acts { Vec::new() } else { momenta(&mut *system, &settings, (&closing, &run), known) };
         let mut laps = Laps {
             system,
             settings,
@@ -242,6 +253,7 @@ impl OrbitSearch {
             legs,
             parameter: None,
             condition,
+            momenta,
             scales,
             runs: 0,
             steps: 0,
@@ -295,21 +307,49 @@ impl OrbitSearch {
     }
 }
 
-/// Refuses a closing that shifts what matters, or that the mechanism does not allow.
+/// The momenta that a run begins with along shifts that change nothing and that its closing allows, where they are conserved.
+fn momenta(
+    system: &mut dyn System,
+    settings: &Settings,
+    (closing, run): (&Closing, &Run),
+    known: Vec<(String, DVector<f64>)>,
+) -> Vec<(DVector<f64>, f64)> {
+    let start = beginning(system, settings, run);
+    crate::vary::put(system, &start);
+    // What is mirrored or exchanged says itself what its momentum is.
+    let shifted = |i: usize| closing.shifts.contains(&i) && closing.images[i] == (i, false);
+    let allowed = |shift: &DVector<f64>| (0..shift.len()).all(|i| shift[i] == 0.0 || shifted(i));
+    let known = known.into_iter().filter(|(_, shift)| allowed(shift)).collect();
+    let conserving = structure::conserving(system, &start, known).into_iter();
+    let with_momentum = |(_, shift): (String, DVector<f64>)| {
+        let (momentum, _) = structure::momentum(system, &start, &shift);
+        (shift, momentum)
+    };
+    conserving.map(with_momentum).collect()
+}
+
+/// The state that a run begins with.
+fn beginning(system: &dyn System, settings: &Settings, run: &Run) -> Side {
+    let first = run.first();
+    let y = [first.q, first.v].concat();
+    Side { t: first.t, y, modes: system.modes().to_vec(), phase: settings.phase }
+}
+
+/// Refuses a closing that shifts what matters, or that the mechanism does not allow; shifts that change nothing, where there are any in
+/// the closing.
 fn may_close(
     system: &mut dyn System,
     settings: &Settings,
     (closing, run): (&Closing, &Run),
     later: f64,
-) -> Result<(), Error> {
+) -> Result<Vec<(String, DVector<f64>)>, Error> {
     let n = system.len();
+    let mut known = Vec::new();
     if !closing.shifts.is_empty() {
-        let first = run.first();
-        let y = [first.q, first.v].concat();
-        let start = Side { t: first.t, y, modes: system.modes().to_vec(), phase: settings.phase };
+        let start = beginning(system, settings, run);
         let others = run.junctions.iter().map(|junction| junction.after.clone());
-        let known = structure::shifts(system, &std::iter::once(start).chain(others).collect::<Vec<_>>());
-        let basis = structure::basis(&known.into_iter().map(|(_, shift)| shift).collect::<Vec<_>>(), n);
+        known = structure::shifts(system, &std::iter::once(start).chain(others).collect::<Vec<_>>());
+        let basis = structure::basis(&known.iter().map(|(_, shift)| shift.clone()).collect::<Vec<_>>(), n);
         for shift in &closing.shifts {
             let unit = DVector::from_fn(n, |i, _| f64::from(u8::from(i == *shift)));
             if (&unit - &basis * (basis.transpose() * &unit)).norm() > WITHIN {
@@ -320,11 +360,11 @@ fn may_close(
         }
     }
     if closing.is_plain() && closing.turns.iter().all(|turn| *turn == 0.0) {
-        return Ok(());
+        return Ok(known);
     }
     match closing.differs(system, &states_of(run), later) {
         Some(Difference { coordinate, here, there }) => Err(NoOrbit::NoSymmetry { coordinate, here, there }.into()),
-        None => Ok(()),
+        None => Ok(known),
     }
 }
 

@@ -60,7 +60,7 @@ pub(super) fn spectrum(laps: &mut Laps, trial: &Trial) -> Spectrum {
     let mut places: Vec<Place> = Vec::with_capacity(count);
     for piece in &trial.pieces {
         put(&mut *laps.system, &piece.start);
-        let gradients = structure::gradients(&*laps.system, &piece.start);
+        let gradients = structure::gradients(&*laps.system, &piece.start, &shifts);
         let known = (piece.start_rate.as_slice(), gradients.as_slice());
         let mut generators = structure::generators(&*laps.system, &piece.start, known, &shifts);
         if timed {

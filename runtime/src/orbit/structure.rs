@@ -22,8 +22,9 @@ pub(super) struct Known {
     pub direction: DVector<f64>,
 }
 
-/// Slopes of what is conserved by [q; q']: energy, where nothing else than potentials does work, and what the file says.
-pub(super) fn gradients(system: &dyn System, side: &Side) -> Vec<Known> {
+/// Slopes of what is conserved by [q; q']: energy, where nothing else than potentials does work, what the file says, and momenta along
+/// shifts that change nothing.
+pub(super) fn gradients(system: &dyn System, side: &Side, shifts: &[(String, DVector<f64>)]) -> Vec<Known> {
     let n = system.len();
     let description = system.description();
     let mut names: Vec<String> = Vec::new();
@@ -46,7 +47,61 @@ pub(super) fn gradients(system: &dyn System, side: &Side) -> Vec<Known> {
         let slope = |k: usize| if place < own { energies[k] } else { pairs[k][2 * (place - own)] };
         DVector::from_iterator(2 * n, (0..2 * n).map(slope))
     };
-    names.into_iter().enumerate().map(|(place, name)| Known { name, direction: of(place) }).collect()
+    let said = names.into_iter().enumerate().map(|(place, name)| Known { name, direction: of(place) });
+    let momenta = conserving(system, side, shifts.to_vec()).into_iter().map(|(name, shift)| Known {
+        name: name.replacen("shift", "momentum", 1),
+        direction: momentum(system, side, &shift).1,
+    });
+    said.chain(momenta).chain(lengths(system, side, true)).collect()
+}
+
+/// Of each rotation the rate q·q' of its quaternion's length, by [q; q'], or the growth (q, q') of that length, which is free: of such
+/// quaternions only the direction matters.
+fn lengths(system: &dyn System, side: &Side, rates: bool) -> Vec<Known> {
+    let n = system.len();
+    let description = system.description();
+    let of = |first: usize| {
+        let mut direction = DVector::zeros(2 * n);
+        for i in first..first + 4 {
+            let (q, v) = (side.y[i], side.y[n + i]);
+            (direction[i], direction[n + i]) = if rates { (v, q) } else { (q, v) };
+        }
+        let name = description.coordinate_name(first);
+        let rotation = name.rsplit_once('.').map_or(name.as_str(), |(rotation, _)| rotation);
+        Known { name: format!("length of {rotation}"), direction }
+    };
+    description.rotations.iter().map(|first| of(*first as usize)).collect()
+}
+
+/// Of shifts that change nothing those whose momentum is conserved, as no force or constraint acts along them.
+pub(super) fn conserving(
+    system: &dyn System,
+    side: &Side,
+    shifts: Vec<(String, DVector<f64>)>,
+) -> Vec<(String, DVector<f64>)> {
+    let structure = &system.description().structure;
+    let n = system.len();
+    let active: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    let j = constraint_matrix(system, At::place(side.t, &side.y[..n]), &active);
+    let cyclic = |k: usize| structure.cyclic.iter().any(|cyclic| *cyclic as usize == k);
+    let conserves = |shift: &DVector<f64>| {
+        let free = structure.conservative || shift.iter().enumerate().all(|(k, x)| *x == 0.0 || cyclic(k));
+        free && (&j * shift).iter().zip(j.row_iter()).all(|(along, row)| along.abs() <= CONTAINED * row.norm())
+    };
+    shifts.into_iter().filter(|(_, shift)| conserves(shift)).collect()
+}
+
+/// The momentum along a shift e that changes nothing, p = e·∂T/∂q', and its slopes by [q; q']: ∂p/∂q' = M e and, as T and what has a
+/// potential stay what they are, ∂p/∂q = −½ (D − Dᵀ) e with D = ∂F/∂q'.
+pub(super) fn momentum(system: &dyn System, side: &Side, shift: &DVector<f64>) -> (f64, DVector<f64>) {
+    let n = system.len();
+    let at = At::packed(side.t, &side.y, n);
+    let kinetic = by_state(system, at, Function::Energies, 5).into_iter().skip(n).map(|energies| energies[0]);
+    let value = kinetic.zip(shift.iter()).map(|(slope, part)| slope * part).sum();
+    let damping = slopes_by_speed(system, side);
+    let places = -0.5 * (&damping - damping.transpose()) * shift;
+    let speeds = mass_matrix(system, at) * shift;
+    (value, DVector::from_iterator(2 * n, places.iter().chain(speeds.iter()).copied()))
 }
 
 /// Directions [δq; δq'] that a motion keeps: its own rate, shifts that change nothing, and, without constraints, the motion that each
@@ -63,6 +118,7 @@ pub(super) fn generators(
         let direction = DVector::from_iterator(2 * n, shift.iter().copied().chain(std::iter::repeat_n(0.0, n)));
         list.push(Known { name: name.clone(), direction });
     }
+    list.extend(lengths(system, side, false));
     if !system.active_rows().is_empty() {
         return list;
     }
@@ -80,7 +136,11 @@ pub(super) fn generators(
 
 /// What to call the motion that a conserved quantity generates; of time and shifts their own name.
 pub(super) fn motion_name(name: &str) -> String {
-    if name == "time" || name.starts_with("shift") { name.to_owned() } else { format!("the motion of `{name}`") }
+    if name == "time" || ["shift", "length"].iter().any(|word| name.starts_with(word)) {
+        name.to_owned()
+    } else {
+        format!("the motion of `{name}`")
+    }
 }
 
 /// ∂F/∂q', with the accelerations of the motion.

@@ -253,7 +253,7 @@ fn steady_motions_are_found_and_have_modes() {
     assert!(limits.len() == 1, "{limits:?}");
     close(limits[0].0, 25.0, 1e-8);
     let refused = words(SOFT_BESIDE_STIFF, &["--steady"]).unwrap_err();
-    contains(&refused, &["has no cyclic coordinate"]);
+    contains(&refused, &["has no coordinate on whose value nothing depends"]);
 }
 
 /// Shapes stand in a grid under titles that fit; springs have coils, and what lies along x is drawn one above the other.

@@ -107,3 +107,22 @@ fn a_weld_carries_weight_and_moment() {
         "{told}"
     );
 }
+
+/// A ball hinge rests hanging and standing; which of both is found the guess says, in the forms of a start.
+#[test]
+fn the_guess_of_a_rotation_has_the_forms_of_its_start() {
+    let hinge = "name: Hinge\nparameters: {m: 2 kg, b: 0.2 m, I: 0.05 kg*m^2, g: 9.81 m/s^2, k: 1 N*m}\ncoordinates: {att: rotation}\n\
+        frames: {B: {rotate: att}}\npoints: {O: [0, 0, 0]}\n\
+        bodies: {bar: {mass: m, inertia: [I, I, I/2], frame: B, position: -b*B.z}}\ngravity: [0, 0, -g]\n\
+        potential_energy: -k*dot(B.x, ground.x)\nequilibrium: {att: GUESS}\nscene: {start: {}, until: 5}\n";
+    for guess in ["[[x, 3]]", "{vector: [3, 0, 0]}", "{quaternion: [0.1, 2, 0, 0]}"] {
+        let found = super::run(&hinge.replace("GUESS", guess), &[]);
+        assert_eq!(found["modes"][0]["kind"], "unstable", "{guess}: {found}");
+        let turned = found["equilibrium"]["att.w"].as_f64().unwrap() / found["equilibrium"]["att.x"].as_f64().unwrap();
+        assert!(turned.abs() < 1e-12, "{guess}: {found}");
+    }
+    let found = super::run(&hinge.replace("GUESS", "[[x, 0.3]]"), &[]);
+    assert_eq!(found["modes"][0]["kind"], "oscillating", "{found}");
+    assert!(super::try_run(&hinge.replace("GUESS", "0.3"), &[]).unwrap_err().contains("E436"));
+    assert!(super::try_run(&hinge.replace("att: GUESS", "att: [[x, 3]], \"att\": 3"), &[]).is_err());
+}

@@ -324,3 +324,30 @@ fn free_motions_with_constraints_are_compared_with_the_full_equations() {
     assert!(refused.contains("another value of the integral of `rolls`"), "{refused}");
     std::fs::remove_file(path).unwrap();
 }
+
+/// A disc on a shaft with damping outside, ce, and in what turns, ci: it whirls from w (1 + ce/ci) on, w² = k/m.  Forces act along the angle,
+/// but nothing depends on its value.
+#[test]
+fn what_a_motor_drives_goes_on_too() {
+    let rotor = "name: Rotor\nparameters: {m: 3 kg, k: 9000 N/m, ci: 8 N*s/m, ce: 5 N*s/m, W: 20 rad/s, J: 0.1 kg*m^2}\n\
+        coordinates: {x: m, y: m, spin: rad}\nbodies: {disc: {mass: m, inertia: J, angle: spin, position: \"[x, y]\"}}\n\
+        potential_energy: k/2*(x^2 + y^2)\n\
+        dissipation: ce/2*(x'^2 + y'^2) + ci/2*((x' + spin'*y)^2 + (y' - spin'*x)^2)\nscene: {start: {spin': W}, until: 1}\n";
+    let found = run(rotor, &["--steady", "--vary", "W=10..150"]);
+    let limits = super::limits(&found);
+    assert!(limits.len() == 1 && limits[0].1 == "flutter", "{limits:?}");
+    close(limits[0].0, 3000_f64.sqrt() * (1.0 + 5.0 / 8.0), 1e-10);
+    // A bead on a spring along a spoke: k (r − l) = m r W², with a motor that stands, and with one that holds against a brake.
+    let spoke = "name: Spoke\nparameters: {J: 1 kg*m^2, m: 1 kg, k: 100 N/m, l: 1 m, c: 0.1 N*m*s/rad, hold: 0.3 N*m}\ncoordinates: {phi: rad, r: m}\n\
+        inputs: {u: 0 N*m}\nbodies: {disk: {mass: 0, inertia: J, angle: phi, position: [0, 0]}, bead: {mass: m, position: r*[cos(phi), sin(phi)]}}\n\
+        potential_energy: k*(r - l)^2/2\ntorques: {motor: {on: disk, torque: LAW}}\nscene: {start: {phi': 3, r: 1.1}, until: 1}\n";
+    let spoke = spoke.replace("position: r*[cos(phi), sin(phi)]", "position: \"r*[cos(phi), sin(phi)]\"");
+    for law in ["u", "hold - c*phi'"] {
+        let found = run(&spoke.replace("LAW", law), &["--steady"]);
+        close(number(&found["equilibrium"]["r"]), 100.0 / 91.0, 1e-12);
+    }
+    // A motor that it does not stand still against, and an angle that matters.
+    assert!(words(&spoke.replace("LAW", "hold"), &["--steady"]).unwrap_err().contains("no equilibrium"));
+    let held = words(&spoke.replace("LAW", "-hold*phi"), &["--steady"]).unwrap_err();
+    assert!(held.contains("no coordinate on whose value nothing depends"), "{held}");
+}

@@ -162,3 +162,41 @@ fn the_state_space_model_is_that_of_the_trimmed_rest() {
     // The report on the file stands after the table.
     assert!(text.find("x' = A x + B u").unwrap() > text.find("modes, each scaled").unwrap(), "{text}");
 }
+
+/// Watt's governor with a sleeve on its balls: cos θ = (m + M) g/(m l W²), at the speed W that the scene's start says with it.
+#[test]
+fn speeds_of_the_start_follow_what_is_sought() {
+    let governor = "name: Governor\nparameters: {m: 0.5 kg, M: 2 kg, l: 0.3 m, g: 9.81 m/s^2, W: 9 rad/s, J: 0.02 kg*m^2}\n\
+        coordinates: {phi: rad, al: rad}\nkinetic_energy: (J/2 + m*(l*sin(al))^2)*phi'^2 + m*(l*al')^2 + M*(2*l*sin(al)*al')^2/2\n\
+        potential_energy: -2*(m + M)*g*l*cos(al)\nscene: {start: {phi': W, al: 0.7}, until: 1}\n";
+    let turning = (2.5 * 9.81 / (0.5 * 0.3 * 1.0_f64.cos())).sqrt();
+    for from in ["W", "W=3", "W=40"] {
+        let value = run(governor, &["--steady", "--hold", "al=1", "--solve", from]);
+        close(found(&value, "W"), turning, 1e-12);
+        assert!(value["trim"]["found"]["W"]["uncertainty"].as_f64().unwrap() < 1e-12 * turning);
+    }
+    // What follows the speed too: a mass at a given one, and a speed that is given by hand and stays.
+    let value = run(governor, &["--steady", "--hold", "al=1", "--solve", "M"]);
+    close(found(&value, "M"), 0.5 * 0.3 * 81.0 * 1.0_f64.cos() / 9.81 - 0.5, 1e-12);
+    assert!(words(governor, &["--steady", "--at", "phi'=9", "--hold", "al=1", "--solve", "W"]).is_err());
+}
+
+/// A body that hovers on a thrust along its own axis, k W² = m g, with a drag of its rotor, T = c W²: nothing that is sought changes the lift,
+/// of which a rounding is left; the turn about the axis is free, and its quaternion's length stays 1.
+#[test]
+fn what_is_met_to_rounding_is_left_alone() {
+    let hover = "name: Hover\nparameters: {m: 1.28 kg, J: 0.02 kg*m^2, k: 4.4e-5 kg*m, g: 9.81 m/s^2, W: 534.2113984012492 1/s, c: 2e-7 kg*m^2}\n\
+        coordinates: {x: m, y: m, z: m, att: rotation}\ninputs: {T: 0 N*m}\nframes: {H: {rotate: att}}\npoints: {C: \"[x, y, z]\"}\n\
+        bodies: {hull: {mass: m, inertia: [J, J, J], frame: H, position: C}}\ngravity: [0, 0, -g]\n\
+        forces: {f: {on: hull, force: k*W^2*H.z}}\ntorques: {t: {on: hull, torque: (T - c*W^2)*H.z}}\nscene: {start: {}, until: 1}\n";
+    let turning = (1.28 * 9.81 / 4.4e-5_f64).sqrt();
+    for sought in ["T", "T,W=500"] {
+        let value = run(hover, &["--hold", "z", "--solve", sought]);
+        close(found(&value, "T"), 2e-7 * turning * turning, 1e-11);
+        let length = ["w", "x", "y", "z"].map(|part| value["equilibrium"][format!("att.{part}")].as_f64().unwrap());
+        close(length.iter().map(|x| x * x).sum::<f64>(), 1.0, 1e-12);
+    }
+    // A thrust that does not carry it does not become one.
+    let refused = words(hover, &["--hold", "z", "--solve", "T", "--set", "W=500"]).unwrap_err();
+    assert!(refused.contains("z: 1.5568 N"), "{refused}");
+}

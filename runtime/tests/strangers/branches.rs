@@ -82,6 +82,45 @@ fn folds_were_told_at_a_pole() {
     expect(&potential("steep", (0.0, 0.0), "x^2/2 - 1e6*p*x", "-1..1"), &[]);
 }
 
+/// Three oscillators (k − p) y = F turned against each other, so that at each of p = 3, 5, 8 all three coordinates go to infinity.
+#[test]
+fn poles_behind_a_pole_were_told_as_divergence_beside_them() {
+    let of = |name: &str, springs: &str, ranges: &[&str]| {
+        let text = format!(
+            "name: T\nparameters: {{p: 0}}\ncoordinates: {{u: 1, v: 1, w: 1}}\n\
+             define: {{a: (u + v + w)/sqrt(3), b: (u - v)/sqrt(2), c: (u + v - 2*w)/sqrt(6)}}\n\
+             kinetic_energy: (u'^2 + v'^2 + w'^2)/2\npotential_energy: {springs} - (a + b + c)\nscene: {{start: {{}}, until: 1}}\n"
+        );
+        let file = folder("branches").join(format!("{name}.yaml"));
+        std::fs::write(&file, text).expect("a file");
+        let out = program(&[&["modes", file.to_str().expect("a path"), "--json"], ranges].concat());
+        serde_json::from_str::<Value>(&out.unwrap_or_else(|error| panic!("{name}: {error}"))).expect("JSON")
+    };
+    let springs = "(3 - p)*a^2/2 + (5 - p)*b^2/2 + (8 - p)*c^2/2";
+    for from in ["p=0", "p=9", "p=3.00001", "p=4.9999"] {
+        let found = of("poles", springs, &["--set", from, "--vary", "p=0..10"]);
+        expect(&found, &[(3.0, "pole"), (5.0, "pole"), (8.0, "pole")]);
+    }
+    // Without a load along it nothing goes to infinity where a stiffness vanishes.
+    let found = of("unloaded", "(3 - p)*a^2/2 + (5 - p)*b^2/2 + (8 - p)*c^2/2 + b", &["--vary", "p=0..10"]);
+    expect(&found, &[(3.0, "pole"), (5.0, "divergence"), (8.0, "pole")]);
+    // Seen from turning axes: sqrt(3000/2) and sqrt(3700/2), of which the second ends a growth.
+    for from in ["W=30", "W=44.6"] {
+        let found = json("shaft_of_two_stiffnesses", &["--set", from, "--vary", "W=10..80"]);
+        expect(&found, &[(1500_f64.sqrt(), "pole"), (1850_f64.sqrt(), "pole")]);
+    }
+}
+
+/// A coordinate that touches 0 is measured by what it has been, too.
+#[test]
+fn a_coordinate_that_touches_nought_is_followed() {
+    let found = potential("touches", (0.0, 0.09), "(x - (p-0.3)^2)^2/2", "0..1");
+    expect(&found, &[]);
+    assert_eq!(found["locus"]["changes"].as_array().map_or(0, Vec::len), 0);
+    let [p, x] = last_state(&found);
+    assert!(p == 1.0 && (x - 0.49).abs() < 1e-12, "{x}");
+}
+
 #[test]
 fn a_pitchfork_at_nought_was_printed_as_4e_6() {
     let found = potential("pitchfork", (1.0, 1.0), "x^4/4 - p*x^2/2", "-1..1");

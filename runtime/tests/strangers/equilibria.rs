@@ -317,3 +317,22 @@ fn what_hangs_at_rest_is_held_by_the_exact_method_however_long() {
     let omega = (3.0_f64 / 0.7).sqrt();
     close(swings.run().last()["x'"], -0.1 * omega * (100.0 * omega).sin(), 1e-9);
 }
+
+/// A cube that stands on a corner, as angles that turn about [1, 1, 1] in the end: nothing depends on the last one, though 3 (1/√3)² is 1 only to
+/// 32 digits.
+#[test]
+fn the_last_digits_of_a_root_were_a_stiffness() {
+    let cube = "name: Cube\nparameters: {m: 1 kg, a: 0.15 m, I: 0.004 kg*m^2, g: 9.81 m/s^2}\n\
+        coordinates: {al: rad, be: rad, ga: rad}\nframes: {B: {rotate: [[x, al], [y, be], [\"[1, 1, 1]\", ga]]}}\n\
+        points: {O: [0, 0, 0]}\nbodies: {cube: {mass: m, inertia: [I, I, I], frame: B, position: \"a/2*(B.x + B.y + B.z)\"}}\n\
+        define: {s: 1/sqrt(3)}\ngravity: \"SIGN*g*s*[1, 1, 1]\"\nscene: {start: {al: 0.1}, until: 1}\n";
+    // Standing and hanging: g √3 a/2 m over the inertia about the corner.
+    let rate = (9.81 * 0.075 * 3_f64.sqrt() / (0.004 + 3.0 * 0.075 * 0.075)).sqrt();
+    for (sign, kind) in [("-1", Kind::Unstable), ("1", Kind::Oscillating)] {
+        let modes = modes(&cube.replace("SIGN", sign));
+        assert_eq!(modes.iter().filter(|mode| mode.kind == Kind::Rigid).count(), 1, "{modes:?}");
+        assert_eq!(modes.iter().filter(|mode| mode.kind == kind).count(), 2, "{modes:?}");
+        let swings = modes.iter().filter(|mode| mode.kind == Kind::Oscillating);
+        swings.for_each(|mode| close(mode.omega, rate, 1e-12));
+    }
+}

@@ -12,6 +12,7 @@ mod false_alarms;
 mod gaps;
 mod gimbal_lock;
 mod limits;
+mod orbits;
 mod pictures;
 mod printing;
 mod reactions;

@@ -6,7 +6,7 @@ use dalembert_symbolic::lower::compile;
 use dalembert_symbolic::model::Sets;
 use dalembert_symbolic::print::{Linearisation, NotLinear};
 
-use super::{case, program};
+use super::{case, folder, program};
 
 /// What `show` prints of a model of the library.
 fn shown(name: &str, arguments: &[&str]) -> Result<String, String> {
@@ -154,5 +154,61 @@ scene: {start: {y: 1}, until: 1, tolerance: 1e-10}",
     let run = ball.run();
     for name in ["normal", "ratio"] {
         assert!(run.digits(name).is_some_and(|digits| digits >= 9), "{name}: {:?}", run.digits(name));
+    }
+}
+
+/// Several columns are weighed by their ranges, in parts of which the standard deviation is; that of one has its unit.
+#[test]
+fn a_standard_deviation_stood_without_its_scale() {
+    let folder = folder("fit");
+    let model = folder.join("swing.yaml");
+    let text = "name: Swing\nparameters: {k: 4 N/m, m: 1 kg}\ncoordinates: {x: m}\nkinetic_energy: m*x'^2/2\n\
+        potential_energy: k*x^2/2\nscene: {start: {x: 1 m}, until: 3}\n";
+    std::fs::write(&model, text).expect("a file");
+    // cos 2t and its rate, each off by a thousandth of its range, 2 m and 4 m/s, up and down in turn.
+    let table = |columns: &str, rate: bool| {
+        let row = |k: u32| {
+            let (t, off) = (0.05 * f64::from(k), if k % 2 == 0 { 1e-3 } else { -1e-3 });
+            let mut row = format!("{t},{}", (2.0 * t).cos() + 2.0 * off);
+            if rate {
+                row += &format!(",{}", -2.0 * (2.0 * t).sin() + 4.0 * off);
+            }
+            row + "\n"
+        };
+        let path = folder.join(if rate { "two.csv" } else { "one.csv" });
+        std::fs::write(&path, format!("{columns}\n{}", (1..60).map(row).collect::<String>())).expect("a file");
+        path
+    };
+    let told = |path: std::path::PathBuf| {
+        let [model, path] = [&model, &path].map(|path| path.to_str().expect("a path"));
+        program(&["solve", model, "--fit", path, "--unknown", "k=3.9"]).expect("a fit")
+    };
+    let line = |told: &str| {
+        let line = told.lines().find_map(|line| line.strip_prefix("residuals      standard deviation "));
+        line.unwrap_or_else(|| panic!("{told}")).to_owned()
+    };
+    let (one, two) = (line(&told(table("t,x", false))), line(&told(table("t,x,x'", true))));
+    assert!(one.starts_with("0.0020") && one.contains(" m, 58 degrees"), "{one}");
+    assert!(two.starts_with("0.00100") && two.contains(" of each column's range, 117 degrees"), "{two}");
+}
+
+/// Bare numbers of masses, inertias and gravity are in SI; in the formulas of equations that are made linear they stood as pure numbers.
+#[test]
+fn bare_inertias_kept_equations_from_being_made_linear() {
+    let file = folder("needs").join("pendulum.yaml");
+    let pendulum = "name: Pendulum\nparameters: {l: 1 m, e: 0.1 m}\ncoordinates: {th: rad}\npoints: {P: \"l*[sin(th), 0, -cos(th)]\"}\n\
+        frames: {B: {rotate: [y, -th]}}\nbodies: {bob: {mass: 1, inertia: [0.01, 0.01, 0.002], frame: B, position: P - e*B.z}}\n\
+        gravity: [0, 0, -9.81]\noutputs: {X: P.x}\nscene: {start: {th: 0.01}, until: 2, tolerance: 1e-9, needs: {outputs: [X], within: 1e-2}}\n";
+    let pure = "name: Pure\nparameters: {k: 4}\ncoordinates: {x: 1}\nbodies: {p: {mass: 2, position: \"[x, 0]\"}}\n\
+        potential_energy: k*(1 - cos(x))\nscene: {start: {x: 0.01}, until: 2, tolerance: 1e-9, needs: {outputs: [x], within: 1e-2}}\n";
+    // With units in lists they stood so, too; in a model of pure numbers there is nothing to add.
+    let written = pendulum
+        .replace("mass: 1,", "mass: 1 kg,")
+        .replace("[0.01, 0.01, 0.002]", "[0.01 kg*m^2, 0.01 kg*m^2, 0.002 kg*m^2]");
+    let all = "it does with equations linear";
+    for (text, wanted) in [(pendulum, all), (&written, all), (pure, "it does with potential_energy linear")] {
+        std::fs::write(&file, text).expect("a file");
+        let told = program(&["needs", file.to_str().expect("a path")]).unwrap_or_else(|error| panic!("{error}"));
+        assert!(told.contains(wanted), "{text}{told}");
     }
 }

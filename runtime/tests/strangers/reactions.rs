@@ -1,6 +1,8 @@
 //! Named reactions have all digits at every scale.
 
-use super::{program, text_of};
+use dalembert::Warning;
+
+use super::{case, program, text_of};
 
 /// The outputs at the end of a run.
 fn outputs(arguments: &[&str]) -> serde_json::Value {
@@ -46,4 +48,46 @@ fn a_fixed_end_holds_force_and_moment_whatever_the_lengths() {
         assert!(difference(&outputs, ["holding", "force"]) < 1e-13, "{scale}: {outputs}");
         assert!(difference(&outputs, ["clamp", "moment"]) < 1e-13, "{scale}: {outputs}");
     }
+}
+
+/// A platform on parallel bars of one length, of which two would do: it swings as a pendulum and keeps the rank of its constraints. Where it is
+/// the bars' own line, between their feet, that they swing through, two of them are in a singular position.
+#[test]
+fn bars_that_are_one_too_many_pass_no_singular_position() {
+    let platform = |bars: u32, height: &str, start: &str| {
+        let all = 1..=bars;
+        let list = |of: &dyn Fn(u32) -> String| all.clone().map(of).collect::<Vec<_>>();
+        let shift = |k: u32| format!("{}*d", k as i32 - 2);
+        format!(
+            "name: Platform\nparameters: {{a: 0.5 m, d: 0.4 m, m: 2 kg, mb: 0.3 kg, I: 0.1 kg*m^2, g: {height} m/s^2, ex: 0.1 m}}\n\
+             coordinates: {{{}, x: m, y: m, th: rad}}\npoints: {{C: \"[x, y]\"}}\nbodies:\n{}\
+             \x20 plat: {{mass: m, inertia: I, angle: th, position: \"C + ex*plat.x\"}}\ngravity: [0, -g]\njoints:\n{}\
+             scene: {{start: {start}, guess: {{{} x: 0.27, y: -0.42}}, until: 2, tolerance: 1e-11}}\n",
+            list(&|k| format!("p{k}: rad")).join(", "),
+            list(&|k| {
+                format!(
+                    "  b{k}: {{mass: mb, inertia: mb*a^2/12, angle: p{k}, position: \"[{}, 0] + a/2*b{k}.x\"}}\n",
+                    shift(k)
+                )
+            })
+            .concat(),
+            list(&|k| {
+                format!(
+                    "  j{k}: {{hinge: [b{k}, plat], at: [\"[{}, 0] + a*b{k}.x\", \"C + {}*plat.x\"]}}\n",
+                    shift(k),
+                    shift(k)
+                )
+            })
+            .concat(),
+            list(&|k| if k > 1 { format!("p{k}: -1,") } else { String::new() }).join(" "),
+        )
+    };
+    let passes = |text: &str| {
+        let run = case(text).run();
+        run.warnings.iter().any(|warning| matches!(warning, Warning::SingularPassed { .. }))
+    };
+    assert!(!passes(&platform(3, "9.81", "{p1: -1, p1': 2}")));
+    // Round through the line of the feet, where platform and bars lie in one line whatever their number.
+    assert!(passes(&platform(2, "0", "{p1: -1, p1': 2}")));
+    assert!(passes(&platform(3, "0", "{p1: -1, p1': 2}")));
 }

@@ -135,6 +135,13 @@ impl Group {
         false
     }
 
+    /// Notes what its speeds are known beside, measured by these weights: the largest of them.
+    pub fn note_speeds(&self, state: &mut State, weights: &[f64]) {
+        let size = |i: &usize| if weights[*i] > 0.0 { state.v[*i].to_f64().abs() / weights[*i] } else { 0.0 };
+        let largest = self.coordinates.iter().map(size).fold(0.0, f64::max);
+        self.coordinates.iter().for_each(|i| state.beside[*i] = largest * weights[*i]);
+    }
+
     /// The first rows of J in `f64`, by coordinates that are measured by these weights.
     fn lines(&self, state: &State, rows: usize, weights: &[f64]) -> Vec<f64> {
         let n = self.coordinates.len();

@@ -157,6 +157,9 @@ impl Constraints {
         if !groups().all(|group| group.close_speeds(state, &free_v)) {
             return false;
         }
+        // What is left of a speed by others that it goes with is known as well as these.
+        state.beside.resize(state.v.len(), 0.0);
+        groups().for_each(|group| group.note_speeds(state, &weights));
         // What the constraints leave no speed is at rest, and not at a rounding of what it had.
         let still = |v: &&mut DoubleDouble| v.abs().to_f64() <= HOLDS * fastest;
         state.v.iter_mut().filter(still).for_each(|v| *v = DoubleDouble::ZERO);

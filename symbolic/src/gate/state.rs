@@ -19,6 +19,8 @@ pub struct State {
     pub q: Vec<DoubleDouble>,
     /// Speeds.
     pub v: Vec<DoubleDouble>,
+    /// What speeds that constraints have brought to their places are known beside; their own sizes where it is empty.
+    pub beside: Vec<f64>,
     /// Accelerations, with the scale of their rounding errors.
     pub a: Vec<Measured>,
     /// The phase.
@@ -62,6 +64,7 @@ impl State {
             t: DoubleDouble::ZERO,
             q: vec![DoubleDouble::ZERO; n],
             v: vec![DoubleDouble::ZERO; n],
+            beside: Vec::new(),
             a: Vec::new(),
             phase: 0,
             lambda: Vec::new(),
@@ -101,9 +104,15 @@ impl State {
         }
     }
 
-    /// A symbol's value with the scale of its rounding error; only accelerations and multipliers have more than their own size.
+    /// A symbol's value with the scale of its rounding error; only accelerations, multipliers and speeds that constraints have brought
+    /// to their places have more than their own size.
     pub fn measured(&self, symbol: Symbol) -> Measured {
         match symbol {
+            Symbol::Speed(i) => {
+                let speed = Measured::exact(self.value(symbol));
+                let beside = self.beside.get(i as usize).copied().unwrap_or(0.0);
+                Measured { magnitude: speed.magnitude.max(beside), ..speed }
+            }
             Symbol::Acceleration(i) => self.a.get(i as usize).copied().unwrap_or(Measured::exact(DoubleDouble::ZERO)),
             Symbol::Multiplier(k) => {
                 self.lambda.get(k as usize).copied().unwrap_or(Measured::exact(DoubleDouble::ZERO))

@@ -11,6 +11,9 @@ pub enum Number {
     Float(DoubleDouble),
 }
 
+/// Parts of a double-double below this are rounding of a few operations, its last six bits.
+const ROUNDING: f64 = 1.0 / (1_u128 << 100) as f64;
+
 impl Number {
     /// 1.
     pub const ONE: Number = Number::Exact(Rational::ONE);
@@ -36,9 +39,13 @@ impl Number {
         matches!(self, Number::Exact(_)) || self.to_double_double().is_finite()
     }
 
-    /// x + y.
+    /// x + y; 0 where they cancel but for their rounding, as √3·√3 − 3 does.
     pub fn plus(self, other: Number) -> Number {
-        self.joined(other, Rational::checked_add, |x, y| x + y)
+        let cancel = |sum: DoubleDouble, x: DoubleDouble| sum.to_f64().abs() <= ROUNDING * x.to_f64().abs();
+        self.joined(other, Rational::checked_add, |x, y| {
+            let sum = x + y;
+            if cancel(sum, x) && cancel(sum, y) { DoubleDouble::ZERO } else { sum }
+        })
     }
 
     /// x y.
@@ -113,13 +120,37 @@ impl From<f64> for Number {
 }
 
 impl From<DoubleDouble> for Number {
-    /// Integers of moderate size as rationals, but for 2⁻¹¹⁰, which is rounding: 1 + 1e-300 is 1.
+    /// Integers of moderate size as rationals, but for what is rounding: √3·√3 is 3, and 1 + 1e-300 is 1.
     fn from(value: DoubleDouble) -> Number {
         let hi = value.to_f64();
-        let whole = value.rest().abs() <= hi.abs() * 2_f64.powi(-110);
+        let whole = value.rest().abs() <= hi.abs() * ROUNDING;
         if whole && hi.fract() == 0.0 && hi.abs() < 1e15 {
             return Number::Exact(Rational::integer(hi as i64));
         }
         Number::Float(value)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn integer(x: i64) -> Number {
+        Number::Exact(Rational::integer(x))
+    }
+
+    #[test]
+    fn what_cancels_but_for_rounding_is_nothing() {
+        let root = integer(3).sqrt();
+        assert_eq!(root.times(root).bits(), integer(3).bits());
+        let third = root.recip().times(root.recip());
+        assert_eq!(third.plus(third).plus(third).bits(), integer(1).bits());
+        assert_eq!(third.plus(third).plus(integer(2).times(third).negated()).bits(), Number::from(0.0).bits());
+        // What is more than rounding stays, and what is small by itself.
+        assert!(
+            (root.times(root).plus(Number::from(1e-25)).to_double_double() - DoubleDouble::from(3.0)).to_f64()
+                > 0.9e-25
+        );
+        assert!(root.times(Number::from(1e-200)).plus(root.times(Number::from(1e-210))).to_f64() > 1.7e-200);
     }
 }

@@ -32,7 +32,7 @@ use super::set_up::{Reader, choose, with_unit_of};
 use super::{Context, Problem, outputs};
 use crate::linear::{
     Guess, Kind, LinearError, Linearised, Mode, animate_mode, draw_modes, equilibrium_here, equilibrium_near,
-    has_dependent_coordinates, linearise, linearise_constrained, short,
+    guess_of_rest, has_dependent_coordinates, linearise, linearise_constrained, short,
 };
 use crate::mechanism::{Noise, System, Target};
 use crate::simulate::{Settings, settled};
@@ -162,7 +162,7 @@ fn prepared(context: Context<'_>, options: &ArgMatches) -> Result<Prepared, Prob
     let mut speeds = Speeds::new(&loaded, options, scene, &inputs)?;
     let mut q = match options.get_flag("steady") {
         true => loaded.system.scene(scene).q,
-        false => resting(&*loaded.system, scene),
+        false => guess_of_rest(&*loaded.system, &loaded.system.scene(scene).q),
     };
     if loaded.system.description().has_states() {
         // The guess of a state stands in the place of its hidden coordinate.
@@ -178,7 +178,8 @@ fn prepared(context: Context<'_>, options: &ArgMatches) -> Result<Prepared, Prob
     let held = held_note(&*loaded.system).filter(|_| !options.get_flag("sampled"));
     let held = held.into_iter().chain(noise_note(&*loaded.system)).collect();
     let mut guess = Guess { q, v: speeds.v.clone(), inputs };
-    let trim = Trim::new(&mut loaded, options, &mut reader, &mut guess)?;
+    let trim = Trim::new(&mut loaded, options, &mut reader, &mut guess, (scene, &speeds.followed()))?;
+    speeds.v.clone_from(&guess.v);
     loaded.warnings.append(&mut reader.notes);
     let place = Place { guess, here: options.get_flag("here") || trim.is_some(), trim };
     Ok(Prepared { loaded, scene, reader, speeds, place, held })
@@ -243,24 +244,12 @@ fn rows(name: &str, matrix: &DMatrix<f64>, out: &mut dyn Write) -> Result<(), Pr
     Ok(())
 }
 
-/// Where the search starts: the file's guess, or the scene's start where it gives none and constraints must be met.
-fn resting(system: &dyn System, scene: usize) -> Vec<f64> {
-    let guess = system.equilibrium_guess();
-    let rotations = &system.description().rotations;
-    let of_rotation = |i: usize| rotations.iter().any(|first| (*first as usize..*first as usize + 4).contains(&i));
-    let given = guess.iter().enumerate().any(|(i, q)| *q != 0.0 && !of_rotation(i));
-    match !given && has_dependent_coordinates(system) {
-        true => system.scene(scene).q,
-        false => guess,
-    }
-}
-
 /// The modes about the equilibrium that is found from the file's guess, or from a scene's start, and what is wrong with integrals there.
 pub(super) fn at_rest(system: &dyn System, scene: usize) -> Result<(Vec<Mode>, Vec<String>), LinearError> {
     if system.description().has_states() {
         return Err(LinearError::HasStates);
     }
-    let guess = Guess::at(&resting(system, scene));
+    let guess = Guess::at(&guess_of_rest(system, &system.scene(scene).q));
     let linear = match has_dependent_coordinates(system) {
         false => linearise(system, &equilibrium_near(system, &guess)?)?,
         true => linearise_constrained(system, &guess, false)?.linear,

@@ -9,7 +9,7 @@ use super::super::Problem;
 use super::super::load::{Loaded, pairs};
 use super::super::set_up::{Reader, coordinate_index, parameter_index};
 use super::failed;
-use crate::linear::{Guess, Varied, has_dependent_coordinates, steady_coordinates};
+use crate::linear::{Guess, Varied, has_dependent_coordinates, lone_steady_coordinates, steady_coordinates};
 
 /// The speeds that are kept.
 pub struct Speeds {
@@ -39,6 +39,12 @@ impl Speeds {
             }
         }
         Ok(Speeds { scene, of_scene, given, v })
+    }
+
+    /// Coordinates whose speeds are those of the scene's start, with whatever parameters.
+    pub fn followed(&self) -> Vec<usize> {
+        let given = |i: &usize| self.given.iter().any(|(given, _)| given == i);
+        self.of_scene.iter().copied().filter(|i| !given(i)).collect()
     }
 
     /// What `--vary` names, and the unit and the kind of its values.
@@ -82,13 +88,12 @@ impl Speeds {
 
 /// The coordinates that can go on steadily, from a start with these speeds.
 fn going(loaded: &Loaded, guess: &Guess, start: &[f64]) -> Result<Vec<usize>, Problem> {
-    let description = loaded.system.description();
     if !has_dependent_coordinates(&*loaded.system) {
-        let cyclic: Vec<usize> = description.structure.cyclic.iter().map(|index| *index as usize).collect();
-        return match cyclic.is_empty() {
-            false => Ok(cyclic),
+        let alone = lone_steady_coordinates(&*loaded.system, guess).map_err(failed)?;
+        return match alone.is_empty() {
+            false => Ok(alone),
             true => Err(Problem::Usage(format!(
-                "error: --steady: `{}` has no cyclic coordinate; describe what turns by an angle on which nothing depends",
+                "error: --steady: `{}` has no coordinate on whose value nothing depends; describe what turns by an angle on which nothing depends",
                 loaded.name
             ))),
         };

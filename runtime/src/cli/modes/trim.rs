@@ -12,7 +12,7 @@ use super::super::load::Loaded;
 use super::super::plotted::parts;
 use super::super::set_up::{Place, Reader, parameter_index, place_in_state, unknown};
 use super::failed;
-use crate::linear::{Guess, TrimmedValue, Unknown, trim};
+use crate::linear::{Guess, TrimmedValue, Unknown, trim_steady};
 
 /// So many digits of a value are printed at most.
 const DIGITS: f64 = 12.0;
@@ -31,6 +31,7 @@ impl Trim {
         options: &ArgMatches,
         reader: &mut Reader,
         guess: &mut Guess,
+        (scene, speeds): (usize, &[usize]),
     ) -> Result<Option<Trim>, Problem> {
         if !options.contains_id("solve") {
             return Ok(None);
@@ -38,7 +39,8 @@ impl Trim {
         let held = holds(loaded, options, reader, guess)?;
         let unknowns = unknowns(loaded, options, reader, guess)?;
         let places: Vec<usize> = held.iter().map(|(place, _)| *place).collect();
-        let trimmed = trim(&*loaded.system, guess, &places, &unknowns).map_err(failed)?;
+        let asked = (places.as_slice(), unknowns.as_slice());
+        let trimmed = trim_steady(&*loaded.system, guess, asked, (scene, speeds)).map_err(failed)?;
         trimmed.apply(&mut *loaded.system);
         *guess = trimmed.guess;
         let mut found = Vec::new();

@@ -14,6 +14,8 @@ use crate::matrix::equilibrated;
 
 /// The longest step, as a part of the range (and of the coordinates' extents).
 const LONGEST: f64 = 1.0 / 64.0;
+/// A coordinate is measured by no less than this part of what it has been: beside less its slope, where it touches 0, is rounding.
+const LEAST: f64 = 1e-4;
 /// Steps below this end the branch.
 const SHORTEST: f64 = 1e-9;
 /// Newton steps of one correction.
@@ -220,14 +222,15 @@ impl Continuation {
 
     fn walk_on(&self, start: &State, direction: f64) -> Path {
         let n = start.q.len();
-        let mut reach: Vec<f64> = start.q.iter().map(|q| q.abs()).collect();
+        let mut been: Vec<f64> = start.q.iter().map(|q| q.abs()).collect();
+        let mut reach = been.clone();
         let mut along = vec![0.0; n + 1];
         along[n] = direction;
         let mut tangent = self.tangent(start, &along, &self.units(&reach)).unwrap_or(along);
         for (reach, slope) in reach.iter_mut().zip(&tangent) {
             // What the coordinate is going to do belongs to its size.
             let whole = slope.abs() / tangent[n].abs().max(1e-9) * self.width();
-            *reach = reach.max(whole.min(1e3 * *reach + whole));
+            *reach = reach.max(whole);
         }
         let mut units = self.units(&reach);
         tangent = self.tangent(start, &tangent, &units).unwrap_or(tangent);
@@ -274,11 +277,19 @@ impl Continuation {
                 let at = if mirrored { self.standstill(here, &next, tangent[n]).unwrap_or(at) } else { at };
                 path.turning_points.push(TurningPoint { at, index: path.points.len(), mirrored });
             }
-            reach.iter_mut().zip(&next.q).for_each(|(reach, q)| *reach = reach.max(q.abs()));
-            units = self.units(&reach);
+            for most in [&mut reach, &mut been] {
+                most.iter_mut().zip(&next.q).for_each(|(most, q)| *most = most.max(q.abs()));
+            }
+            units = self.units(&self.extents(&next, &next_tangent, [&reach, &been]));
             path.points.push(next);
-            if let Some(pole) = self.pole(&path.points, &first.1) {
-                path.end = pole;
+            if let Some((value, coordinate)) = self.pole(&path.points, &first.1) {
+                path.end = End::Pole { value, coordinate };
+                // Where the parameter stands still beside it, what seems to change is rounding.
+                let near = |state: &State| (state.value - value).abs() <= STANDS_STILL * self.width();
+                let all = path.points.len();
+                let left = all - path.points[1..].iter().rev().take_while(|state| near(state)).count();
+                path.points.truncate(left);
+                path.turning_points.retain(|turn| turn.index < left);
             }
             if !matches!(path.end, End::Lost) {
                 return path;
@@ -289,6 +300,19 @@ impl Continuation {
             step = (1.5 * step).min(LONGEST);
         }
         path
+    }
+
+    /// How large each coordinate is: what it is, or what it goes through over the whole range at its present slope, at most its reach; at
+    /// least a part of what it has been.  So what comes back from infinity is measured by what it has become, and no other pole is
+    /// stepped over.
+    fn extents(&self, state: &State, tangent: &[f64], [reach, been]: [&[f64]; 2]) -> Vec<f64> {
+        let n = state.q.len();
+        let extent = |i: usize| {
+            let whole = (tangent[i] / tangent[n]).abs() * self.width();
+            // At a fold the slope is infinite or no number.
+            state.q[i].abs().max(whole.min(reach[i])).max(LEAST * been[i])
+        };
+        (0..n).map(extent).collect()
     }
 
     /// Whether a step passes the start of a path again, in the direction in which that went.
@@ -313,8 +337,8 @@ impl Continuation {
         dot(&apart, &apart).sqrt() <= BACK * square.sqrt()
     }
 
-    /// The pole that a path comes near to, if it does; `units` are those at its start.
-    fn pole(&self, points: &[State], units: &[f64]) -> Option<End> {
+    /// The value of the pole that a path comes near to, if it does, and the coordinate; `units` are those at its start.
+    fn pole(&self, points: &[State], units: &[f64]) -> Option<(f64, usize)> {
         let part = |state: &State, i: usize| (state.q[i] / units[i]).abs();
         let size = |state: &State| (0..state.q.len()).map(|i| part(state, i)).fold(1.0, f64::max);
         let last = points.last()?;
@@ -330,7 +354,7 @@ impl Continuation {
         let [there, on] = [middle.value - points[before.checked_sub(back)?].value, last.value - middle.value];
         let left = on * on / (there - on);
         let value = if left.abs() <= 1e3 * still { last.value + left } else { last.value };
-        Some(End::Pole { value, coordinate })
+        Some((value, coordinate))
     }
 
     /// How far two states are apart, in parts of their extents and of the range.

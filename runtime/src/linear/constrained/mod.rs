@@ -32,6 +32,8 @@ pub(super) use balance::balance;
 #[cfg(all(feature = "modal", feature = "cli"))]
 pub(crate) use relative::turns_as_a_whole;
 pub use rest::{Constrained, linearise_constrained, linearise_driven};
+#[cfg(feature = "cli")]
+pub(crate) use steady::lone_steady_coordinates;
 pub use steady::steady_coordinates;
 #[cfg(feature = "modal")]
 pub use steady::turning_coordinates;

@@ -7,7 +7,7 @@
 //! by, ∂(J v)/∂q = 0, so that departures ξ in the independent coordinates have speeds Z ξ': M_z, C_z and K_z are those of
 //! `rest.rs` at these speeds.
 
-#[cfg(feature = "modal")]
+#[cfg(any(feature = "modal", feature = "cli"))]
 use nalgebra::DVectorView;
 use nalgebra::{DMatrix, DVector};
 
@@ -56,6 +56,19 @@ pub fn steady_coordinates<S: System + ?Sized>(system: &S, guess: &Guess) -> Resu
     Ok(shifts.coordinates())
 }
 
+/// Those of them that can go on each by itself: cyclic coordinates, and such on whose values nothing depends though forces act along them.
+#[cfg(feature = "cli")]
+pub(crate) fn lone_steady_coordinates<S: System + ?Sized>(
+    system: &S,
+    guess: &Guess,
+) -> Result<Vec<usize>, LinearError> {
+    let probe = LinearisationPoint::new(system, guess);
+    probe.sides_at(&guess.q);
+    let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    let system = probe.system.borrow();
+    Ok(ConstrainedState::new(&**system, &rows, &guess.q).shifts(&guess.q)?.alone())
+}
+
 /// As [`steady_coordinates`], with those that turn as a whole beside them: the heading of what rolls on a plane, and its place.
 ///
 /// # Errors
@@ -92,7 +105,7 @@ impl Shifts {
     }
 
     /// The coordinates that can be shifted alone.
-    #[cfg(feature = "modal")]
+    #[cfg(any(feature = "modal", feature = "cli"))]
     pub fn alone(&self) -> Vec<usize> {
         let single = |shift: DVectorView<'_, f64>| {
             let mut moved = (0..shift.len()).filter(|i| shift[*i] != 0.0);

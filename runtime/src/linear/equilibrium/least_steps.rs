@@ -60,14 +60,20 @@ pub(super) trait Rest {
             let weight = |most: f64| if most > 0.0 { 1.0 / most } else { 0.0 };
             let weights: Vec<f64> = slopes.row_iter().map(|row| weight(row.amax())).collect();
             let size = |left: &[f64]| left.iter().zip(&weights).map(|(f, w)| (f * w).powi(2)).sum::<f64>();
-            let left = self.left();
+            // What is met to rounding is left alone: slopes that are rounding, too, would make any step of it.
+            let measures = self.measures();
+            let unmet = |left: Vec<f64>| -> Vec<f64> {
+                let unmet = |(f, measure): (f64, &f64)| if f.abs() <= EXACT * measure { 0.0 } else { f };
+                left.into_iter().zip(&measures).map(unmet).collect()
+            };
+            let left = unmet(self.left());
             let step = solve_least(&slopes, &DMatrix::from_column_slice(left.len(), 1, &left)).ok_or(iterations)?;
             let (from, before) = (self.unknowns(), size(&left));
             let mut part = 1.0;
             loop {
                 let tried: Vec<f64> = from.iter().zip(step.iter()).map(|(x, step)| x - part * step).collect();
                 self.set(&tried);
-                if size(&self.left()) < before {
+                if size(&unmet(self.left())) < before {
                     break;
                 }
                 part *= 0.5;

@@ -29,4 +29,4 @@ pub(super) use search::ConvergenceHistory;
 pub use search::{Equilibrium, Guess, equilibria, equilibrium_here, equilibrium_near};
 #[cfg(feature = "modal")]
 pub use state_space::{StateSpace, linearise_states};
-pub use trim::{Trimmed, TrimmedValue, Unknown, trim};
+pub use trim::{Trimmed, TrimmedValue, Unknown, trim, trim_steady};

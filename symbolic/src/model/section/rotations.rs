@@ -124,12 +124,19 @@ impl Resolver<'_> {
             self.builder.problems.push(names::member_twice(spot.place.of_key(), &self.model.rotations[index].name));
             return;
         }
+        let Some(q) = self.rotation_given(spot) else { return };
+        scene.q[first..first + 4].copy_from_slice(&q.0);
+        scene.held_q[first..first + 4].fill(true);
+    }
+
+    /// A rotation in one of these forms, as a quaternion.
+    pub fn rotation_given(&mut self, spot: &Spot<'_>) -> Option<Quaternion> {
         if matches!(spot.node, Node::Map(_))
             && !spot.only(&["quaternion", "vector"], "a start", &mut self.builder.problems)
         {
-            return;
+            return None;
         }
-        let found = match (spot.get("quaternion"), spot.get("vector")) {
+        match (spot.get("quaternion"), spot.get("vector")) {
             (Some(_), Some(vector)) => {
                 let both = sections::conflicting_keys(vector.place.of_key(), "quaternion", "vector", "a start");
                 self.builder.problems.push(both);
@@ -150,10 +157,7 @@ impl Resolver<'_> {
                 let graph = &mut self.builder.graph;
                 turns.iter().fold(Quaternion::ONE, |q, turn| q.times(graph, turn.quaternion))
             }),
-        };
-        let Some(q) = found else { return };
-        scene.q[first..first + 4].copy_from_slice(&q.0);
-        scene.held_q[first..first + 4].fill(true);
+        }
     }
 
     /// The start of a rotation's rate: its angular velocity along its own axes, `{ground: [a, b, c]}` along the axes from which it is

@@ -345,6 +345,14 @@ impl Resolver<'_> {
         given
     }
 
+    /// The rotation that a member of a key names.
+    fn rotation(&self, member: &Expanded) -> Option<usize> {
+        match self.scope.names.get(&member.base)?.members.get(&member.indices)? {
+            Member::Rotation(index) => Some(*index),
+            _ => None,
+        }
+    }
+
     /// Whether an entry is about rotations; puts them where they start.
     fn start_rotations(
         &mut self,
@@ -353,16 +361,9 @@ impl Resolver<'_> {
         places: &BTreeMap<String, Spot<'_>>,
         scene: &mut Scene,
     ) -> bool {
-        let rotation = |resolver: &Self, member: &Expanded| {
-            let entry = resolver.scope.names.get(&member.base)?;
-            match entry.members.get(&member.indices) {
-                Some(Member::Rotation(index)) => Some(*index),
-                _ => None,
-            }
-        };
         let mut any = false;
         for member in &family.members {
-            let Some(index) = rotation(self, member) else { continue };
+            let Some(index) = self.rotation(member) else { continue };
             any = true;
             match family.key.primes {
                 0 => self.start_of_rotation(index, spot, scene),
@@ -502,6 +503,20 @@ impl Resolver<'_> {
             }
             if family.members.iter().any(|member| self.state(member).is_some()) {
                 given.extend(self.states_given(key, &spot, &family, rules.what));
+                continue;
+            }
+            let rotations: Vec<usize> = family.members.iter().filter_map(|member| self.rotation(member)).collect();
+            if !rotations.is_empty() {
+                for index in rotations {
+                    let first = self.model.rotations[index].first;
+                    if std::mem::replace(&mut seen[first], true) {
+                        let name = self.model.rotations[index].name.clone();
+                        self.builder.problems.push(names::member_twice(spot.place.of_key(), name));
+                        break;
+                    }
+                    let Some(quaternion) = self.rotation_given(&spot) else { break };
+                    given.extend((first..).zip(quaternion.0));
+                }
                 continue;
             }
             let Some(values) = self.values_for(&spot, &family) else { continue };

@@ -49,7 +49,7 @@ impl Search {
                 false => LinearError::CannotHold { holds, unknowns, point: self.place(), residual: self.forces_left() },
             });
         }
-        let (scaled, _, _) = equilibrated(&self.slopes());
+        let (scaled, _, _) = equilibrated(&self.slopes_beside_rounding());
         let wide = scaled.ncols().saturating_sub(scaled.nrows());
         let rows = scaled.nrows() + wide;
         // Rows of zeros, so that all directions in which nothing changes are among those of the decomposition.
@@ -72,6 +72,26 @@ impl Search {
             }
         }
         Ok(())
+    }
+
+    /// The slopes, without those that rounding of an equation's terms makes; of something sought the last ones stay: whether they say
+    /// what it is, its uncertainty tells.
+    fn slopes_beside_rounding(&self) -> DMatrix<f64> {
+        let (mut slopes, measures) = (self.slopes(), self.measures());
+        let places = self.sizes();
+        let places = self.free.iter().map(|i| places[*i]);
+        let others = self.unknowns().into_iter().skip(self.free.len()).map(f64::abs);
+        let first = slopes.ncols() - self.unknowns.len();
+        for (index, size) in places.chain(others).enumerate().filter(|(_, size)| *size > 0.0) {
+            let rounding = |(slope, measure): (&f64, &f64)| (slope * size).abs() <= ROUNDINGS * f64::EPSILON * measure;
+            let rounding: Vec<bool> = slopes.column(index).iter().zip(&measures).map(rounding).collect();
+            if index >= first && rounding.iter().all(|rounding| *rounding) {
+                continue;
+            }
+            let column = slopes.column_mut(index).into_iter().zip(rounding);
+            column.filter(|(_, rounding)| *rounding).for_each(|(slope, _)| *slope = 0.0);
+        }
+        slopes
     }
 
     /// What is held, and would move if it were not, towards less of what is left.
@@ -103,7 +123,7 @@ impl Search {
 
     /// What rounding of forces and constraints makes of each value.
     pub(super) fn uncertainties(&self) -> Vec<f64> {
-        let (slopes, measures) = (self.slopes(), self.measures());
+        let (slopes, measures) = (self.slopes_beside_rounding(), self.measures());
         let inverse = solve_least(&slopes, &DMatrix::identity(slopes.nrows(), slopes.nrows()));
         let first = slopes.ncols() - self.unknowns.len();
         let rounding = |k: usize| {

@@ -120,7 +120,21 @@ pub fn trim<S: System + ?Sized>(
     held: &[usize],
     unknowns: &[Unknown],
 ) -> Result<Trimmed, LinearError> {
-    let mut search = Search::new(system, guess, held, unknowns)?;
+    trim_steady(system, guess, (held, unknowns), (0, &[]))
+}
+
+/// As [`trim`]; speeds of these coordinates (`speeds`, by index) are those of the start of a scene, by its place, with the parameters
+/// that are found.
+///
+/// # Errors
+/// As [`trim`].
+pub fn trim_steady<S: System + ?Sized>(
+    system: &S,
+    guess: &Guess,
+    (held, unknowns): (&[usize], &[Unknown]),
+    (scene, speeds): (usize, &[usize]),
+) -> Result<Trimmed, LinearError> {
+    let mut search = Search::new(system, guess, (held, unknowns), (scene, speeds))?;
     search.base.check_time(&search.q)?;
     search.multipliers_from_forces();
     if let Some(i) = search.left().iter().position(|x| !x.is_finite()) {

@@ -6,6 +6,7 @@ use super::super::least_steps::Rest;
 use super::super::{Guess, LinearisationPoint};
 use super::{Trimmed, TrimmedValue, Unknown};
 use crate::linear::LinearError;
+use crate::linear::matrices::natural_sizes;
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{
     constraint_matrix, constraint_rates_by_inputs, constraint_triples, force_slopes, input_matrix, multiplier_effects,
@@ -31,14 +32,16 @@ pub(super) struct Search {
     pub(super) closed: Vec<(usize, f64)>,
     pub(super) unknowns: Vec<Unknown>,
     pub(super) values: Vec<f64>,
+    /// The scene, and the coordinates whose speeds are those of its start, whatever parameters that contains.
+    pub(super) follow: (usize, Vec<usize>),
 }
 
 impl Search {
     pub(super) fn new<S: System + ?Sized>(
         system: &S,
         guess: &Guess,
-        held: &[usize],
-        unknowns: &[Unknown],
+        (held, unknowns): (&[usize], &[Unknown]),
+        (scene, speeds): (usize, &[usize]),
     ) -> Result<Search, LinearError> {
         let (n, mechanical) = (system.len(), system.description().mechanical());
         for (what, given) in [("the point", guess.q.len()), ("the list of speeds", guess.v.len())] {
@@ -68,7 +71,7 @@ impl Search {
         let there = constraint_triples(system, At::new(0.0, &q, &vec![0.0; n]));
         let closes = rows.iter().filter(|row| described[**row].holonomic || described[**row].integral);
         let closed = closes.map(|row| (*row, if described[*row].integral { there[*row][0] } else { 0.0 })).collect();
-        Ok(Search {
+        let mut search = Search {
             base: LinearisationPoint::new(system, guess),
             q,
             inputs,
@@ -80,7 +83,33 @@ impl Search {
             closed,
             unknowns: unknowns.to_vec(),
             values,
-        })
+            follow: (scene, speeds.to_vec()),
+        };
+        search.speeds_follow();
+        Ok(search)
+    }
+
+    /// Speeds of the scene's start, with the present parameters.
+    fn speeds_follow(&mut self) {
+        let (scene, speeds) = &self.follow;
+        if !speeds.is_empty() {
+            let start = self.base.system.borrow().scene(*scene).v;
+            speeds.iter().for_each(|i| self.base.v[*i] = start[*i]);
+        }
+    }
+
+    /// Their slopes by a parameter; 0 of all others.
+    fn speeds_by(&self, parameter: usize) -> Vec<f64> {
+        let (n, (scene, speeds)) = (self.base.n, &self.follow);
+        let mut slopes = vec![0.0; n];
+        if !speeds.is_empty() {
+            // The scene's end, tolerance and spacing, and places, stand before.
+            let mut numbers = vec![0.0; 3 + 2 * n];
+            let along = Along { parameter: Some(parameter), ..Along::default() };
+            self.base.system.borrow().slopes(Function::Scene(*scene), At::default(), &along, &mut numbers);
+            speeds.iter().for_each(|i| slopes[*i] = numbers[3 + n + i]);
+        }
+        slopes
     }
 
     pub(super) fn at(&self) -> At<'_> {
@@ -106,6 +135,7 @@ impl Search {
     pub(super) fn slope(&self, unknown: Unknown) -> DVector<f64> {
         let n = self.base.n;
         let mut slope = DVector::from_element(n + self.closed.len(), f64::NAN);
+        let speeds = if let Unknown::Parameter(index) = unknown { self.speeds_by(index) } else { Vec::new() };
         let system = &**self.base.system.borrow();
         let along = match unknown {
             Unknown::Input(k) => {
@@ -117,7 +147,7 @@ impl Search {
                 slope.rows_mut(n, rows.len()).copy_from(&column);
                 return slope;
             }
-            Unknown::Parameter(index) => Along { parameter: Some(index), ..Along::default() },
+            Unknown::Parameter(index) => Along { parameter: Some(index), v: &speeds, ..Along::default() },
             Unknown::Memory(index) => Along { memory: Some(index), ..Along::default() },
         };
         let mut triples = vec![0.0; 3 * self.lambda.len()];
@@ -162,7 +192,19 @@ impl Search {
         }
     }
 
-    /// ∂(F, c)/∂(q or z), a column for each coordinate, held or not.
+    /// What each coordinate or state is large beside.
+    pub(super) fn sizes(&self) -> Vec<f64> {
+        natural_sizes(&self.base.units(), &[&self.q[..self.mechanical], &self.base.v[self.mechanical..]].concat())
+    }
+
+    /// Where the quaternions of rotations begin that nothing holds: only their directions matter, their lengths stay 1.
+    fn turning(&self) -> Vec<usize> {
+        let system = self.base.system.borrow();
+        let rotations = system.description().rotations.iter().map(|first| *first as usize);
+        rotations.filter(|first| !self.held.iter().any(|i| (*first..first + 4).contains(i))).collect()
+    }
+
+    /// ∂(F, c)/∂(q or z), a column for each coordinate, held or not; without what the length of a quaternion does.
     pub(super) fn by_place(&self) -> DMatrix<f64> {
         let (n, system) = (self.base.n, self.base.system.borrow());
         let [by_place, by_speed] = force_slopes(&**system, self.at());
@@ -173,6 +215,12 @@ impl Search {
             slopes.view_mut((0, i), (n, 1)).copy_from(&of.column(i));
         }
         slopes.rows_mut(n, rows.len()).copy_from(&constraint_matrix(&**system, self.at(), &rows));
+        for first in self.turning() {
+            let quaternion = DVector::from_column_slice(&self.q[first..first + 4]);
+            let along = slopes.columns(first, 4) * &quaternion * quaternion.transpose();
+            let mut columns = slopes.columns_mut(first, 4);
+            columns -= along;
+        }
         slopes
     }
 
@@ -215,6 +263,10 @@ impl Rest for Search {
         }
         self.rows.iter().zip(multipliers).for_each(|(row, x)| self.lambda[*row] = *x);
         self.values.copy_from_slice(values);
+        for first in self.turning() {
+            let length = self.q[first..first + 4].iter().map(|x| x * x).sum::<f64>().sqrt();
+            self.q[first..first + 4].iter_mut().for_each(|x| *x /= length);
+        }
         let mut system = self.base.system.borrow_mut();
         for (unknown, value) in self.unknowns.iter().zip(values) {
             if let Unknown::Input(index) = unknown {
@@ -222,6 +274,8 @@ impl Rest for Search {
             }
             unknown.give(&mut **system, *value);
         }
+        drop(system);
+        self.speeds_follow();
     }
 
     /// F, then c.
@@ -243,9 +297,10 @@ impl Rest for Search {
         self.base.system.borrow().magnitudes(self.at(), &mut sums);
         let triples = constraint_triples(&**self.base.system.borrow(), self.at());
         sums.extend(self.closed.iter().map(|(row, _)| triples[*row][2]));
-        // What the size of each number makes of its slopes: of those that are held too.
+        // What the size of each number makes of its slopes: of those that are held too, and of a turn that is 0 but for rounding beside
+        // the length of its quaternion, or of a place beside others.
         let (slopes, numbers) = (self.slopes(), self.unknowns());
-        let (places, all) = (self.by_place(), [&self.q[..self.mechanical], &self.base.v[self.mechanical..]].concat());
+        let (places, all) = (self.by_place(), self.sizes());
         let made = |(row, sum): (usize, f64)| {
             let by = |slopes: &DMatrix<f64>, numbers: &[f64]| -> f64 {
                 slopes.row(row).iter().zip(numbers).map(|(slope, x)| (slope * x).abs()).sum()
@@ -257,6 +312,11 @@ impl Rest for Search {
                 )
         };
         let mut measures: Vec<f64> = sums.into_iter().enumerate().map(made).collect();
+        // The four equations of a rotation are three moments: what one of them is judged by, all are.
+        for first in self.base.system.borrow().description().rotations.iter().map(|first| *first as usize) {
+            let largest = measures[first..first + 4].iter().fold(0.0_f64, |most, x| most.max(*x));
+            measures[first..first + 4].fill(largest);
+        }
         self.pass_on(&mut measures);
         measures
     }

@@ -1,0 +1,124 @@
+//! Motions that repeat.
+
+use super::{folder, program};
+
+/// What `orbit` prints of a model text.
+fn orbit(name: &str, text: &str, arguments: &[&str]) -> Result<String, String> {
+    let file = folder("orbits").join(format!("{name}.yaml"));
+    std::fs::write(&file, text).expect("a file");
+    program(&[&["orbit", file.to_str().expect("a path")], arguments].concat())
+}
+
+fn number(line: &str) -> f64 {
+    line.split_whitespace().next().and_then(|x| x.parse().ok()).unwrap_or_else(|| panic!("{line}"))
+}
+
+fn period(printed: &str) -> f64 {
+    printed.split_once("period = ").map(|(_, rest)| number(rest)).unwrap_or_else(|| panic!("{printed}"))
+}
+
+/// The multipliers of the map, as real and imaginary parts in their order.
+fn multipliers(printed: &str) -> Vec<f64> {
+    let line =
+        printed.lines().find_map(|line| line.strip_prefix("multipliers ")).unwrap_or_else(|| panic!("{printed}"));
+    let words = line.split_once('(').map_or(line, |(all, _)| all).replace("- ", "-").replace(',', " ");
+    let mut found: Vec<f64> = words.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+    found.sort_by(f64::total_cmp);
+    found
+}
+
+/// A cart of 1 kg with a bob of 1 kg on 1 m below.
+const CART: &str = "
+name: Cart
+parameters: {M: 1 kg, m: 1 kg, l: 1 m, g: 9.81 m/s^2}
+coordinates: {x: m, th: rad}
+points: {C: \"[x, 0]\", P: \"C + l*[sin(th), -cos(th)]\"}
+bodies: {cart: {mass: M, position: C}, bob: {mass: m, position: P}}
+gravity: [0, -g]
+scene: {start: {th: 1}, until: 3}
+";
+
+/// Its period without momentum, T = 4 ∫ sqrt((1 − cos²θ/2)/(2(E − g(1 − cos θ)))) dθ with θ = θ₀ sin s.
+fn cart_period(energy: f64) -> f64 {
+    let top = (1.0 - energy / 9.81).acos();
+    let n = 400;
+    let all = (0..n).map(|k| {
+        let s = (f64::from(k) + 0.5) * std::f64::consts::TAU / f64::from(n);
+        let th = top * s.sin();
+        let left = energy - 9.81 * (1.0 - th.cos());
+        ((1.0 - 0.5 * th.cos().powi(2)) / (2.0 * left)).sqrt() * (top * s.cos()).abs()
+    });
+    all.sum::<f64>() * std::f64::consts::TAU / f64::from(n)
+}
+
+#[test]
+fn a_momentum_that_nobody_claimed_was_told_as_doublings() {
+    let found = orbit("family", CART, &["--from", "mode 2", "--vary", "energy=..5"]).expect("a family");
+    assert!(!found.contains("doubling") && !found.contains("branch"), "{found}");
+    let found = orbit("cart", CART, &["--from", "mode 2", "--energy", "5"]).expect("an orbit");
+    assert!(found.contains("multipliers    none") && found.contains("momentum of x"), "{found}");
+    // A claim has its own name.
+    let claimed = CART.replace("gravity:", "conserved: {p: momentum.x}\ngravity:");
+    let found = orbit("claimed", &claimed, &["--from", "mode 2", "--energy", "5"]).expect("an orbit");
+    assert!(found.contains("multipliers    none") && !found.contains("momentum of x"), "{found}");
+    // What holds the cart leaves it no momentum, but a pair of multipliers.
+    let held = CART.replace("gravity:", "potential_energy: k*x^2/2\ngravity:");
+    let held = held.replace("parameters: {", "parameters: {k: 40 N/m, ");
+    let found = orbit("held", &held, &["--from", "mode 2", "--energy", "1"]).expect("an orbit");
+    assert_eq!(multipliers(&found).len(), 4, "{found}");
+}
+
+#[test]
+fn a_true_shift_made_the_search_fail() {
+    for energy in ["0.5", "1", "2", "3", "5"] {
+        let expected = cart_period(energy.parse().expect("a number"));
+        for more in [&["--shift", "x"][..], &[]] {
+            let found = orbit("shift", CART, &[&["--from", "mode 2", "--energy", energy], more].concat());
+            let found = period(&found.unwrap_or_else(|error| panic!("{energy} {more:?}: {error}")));
+            assert!((found / expected - 1.0).abs() < 1e-11, "{energy} {more:?}: {found} {expected}");
+        }
+    }
+    assert!((cart_period(5.0) - 1.812_382_846_48).abs() < 1e-11);
+}
+
+/// A pendulum as a point on a circle: 4 sqrt(l/g) K(sin(θ₀/2)), the same as by its angle.
+#[test]
+fn a_mode_of_a_mechanism_with_constraints_was_refused() {
+    let by_place = "name: P\nparameters: {m: 1 kg, l: 1 m, g: 10 m/s^2}\ncoordinates: {x: m, y: m}\n\
+        bodies: {bob: {mass: m, position: \"[x, y]\"}}\ngravity: [0, -g]\nconstraints: {rod: x^2 + y^2 - l^2}\n\
+        equilibrium: {y: -1}\nscene: {start: {x: l, y: 0}, until: 1}\n";
+    let by_angle = "name: P\nparameters: {m: 1 kg, l: 1 m, g: 10 m/s^2}\ncoordinates: {a: rad}\n\
+        bodies: {bob: {mass: m, position: \"l*[sin(a), -cos(a)]\"}}\ngravity: [0, -g]\nscene: {start: {}, until: 1}\n";
+    for energy in ["0.05", "5"] {
+        let arguments = ["--from", "mode 1", "--energy", energy];
+        let [place, angle] = [("place", by_place), ("angle", by_angle)].map(|(name, text)| {
+            period(&orbit(name, text, &arguments).unwrap_or_else(|error| panic!("{name}: {error}")))
+        });
+        assert!((place / angle - 1.0).abs() < 1e-12, "{place} {angle}");
+    }
+    assert!(orbit("place", by_place, &["--from", "mode 2"]).unwrap_err().contains("no mode 2"));
+}
+
+/// A ball hinge by a rotation and by three angles: periods and multipliers are the same, and none is left of the quaternion's length,
+/// nor by a mirror that only motions in the plane have.
+#[test]
+fn a_mode_of_a_rotation_was_refused() {
+    let of = |coordinates: &str, frame: &str| {
+        format!(
+            "name: Hinge\nparameters: {{m: 2 kg, b: 0.2 m, I: 0.05 kg*m^2, g: 9.81 m/s^2, k: 1 N*m}}\n\
+             coordinates: {coordinates}\nframes: {{B: {{rotate: {frame}}}}}\npoints: {{O: [0, 0, 0]}}\n\
+             bodies: {{bar: {{mass: m, inertia: [I, I, I/2], frame: B, position: -b*B.z}}}}\ngravity: [0, 0, -g]\n\
+             potential_energy: -k*dot(B.x, ground.x)\nscene: {{start: {{}}, until: 5}}\n"
+        )
+    };
+    let quaternion = of("{att: rotation}", "att");
+    let angles = of("{u: rad, v: rad, w: rad}", "[[x, u], [y, v], [z, w]]");
+    let arguments = ["--from", "mode 1", "--energy", "0.5"];
+    let [a, b] = [("quaternion", quaternion), ("angles", angles)]
+        .map(|(name, text)| orbit(name, &text, &arguments).unwrap_or_else(|error| panic!("{name}: {error}")));
+    assert!((period(&a) / period(&b) - 1.0).abs() < 1e-12, "{a}{b}");
+    let [of_a, of_b] = [multipliers(&a), multipliers(&b)];
+    assert!(of_a.len() == 8 && of_b.len() == 8, "{a}{b}");
+    assert!(of_a.iter().zip(&of_b).all(|(a, b)| (a - b).abs() < 1e-8), "{a}{b}");
+    assert!(a.contains("no small change grows") && b.contains("no small change grows"), "{a}{b}");
+}
