@@ -121,6 +121,19 @@ fn a_reaction_that_two_systems_describe_differently_is_told() {
     assert!(problems.iter().any(|problem| problem.message.contains("`guide`")), "{problems:?}");
 }
 
+/// A joint of a body whose place is not known has no rows, and the place is all that is told.
+#[test]
+fn a_joint_of_a_body_without_a_place_is_left_out() {
+    let head = "name: K\ncoordinates: {x: m, y: m, th: rad}\npoints: {O: \"[0, 0]\"}\n";
+    let tail = "joints: {j: {hinge: [ground, b], at: [O, \"[x, y]\"]}}\n";
+    for (position, code) in [("", "E302"), (", position: \"[x, yy]\"", "E201")] {
+        let body = format!("bodies: {{b: {{mass: 1 kg, inertia: 1 kg*m^2, angle: th{position}}}}}\n");
+        let problems = load(&format!("{head}{body}{tail}"), &[]).err().unwrap_or_default();
+        let codes: Vec<&str> = problems.iter().map(|problem| problem.code).collect();
+        assert_eq!(codes, [code], "{position}");
+    }
+}
+
 #[test]
 fn files_cut_short_or_with_a_character_changed() {
     for path in files("fuzz/corpus/read") {

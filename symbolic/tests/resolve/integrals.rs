@@ -161,3 +161,23 @@ fn rules_are_tried_where_scenes_are() {
         assert!(error < 1e-14 && range.is_some_and(|range| range[1] == 100.0), "{scenes}: {error} {range:?}");
     }
 }
+
+/// What turns at a coordinate, or at a place that limits reach only with other parameters, is tried with that place inside: a rule without a cut
+/// there is off by some hundredths.
+#[test]
+fn rules_are_tried_with_turns_inside() {
+    let at = |text: &str, q: &str, a: &str, exact: &str| {
+        let (long, short, _) = integral(text, [a, "1.7", "0.001", "7", "0", q]);
+        let exact = number(exact);
+        assert!((long - exact).abs().to_f64() < 1e-18, "{text} at {q}: {long:?} is not {exact:?}");
+        assert!((short - exact.to_f64()).abs() < 1e-14, "{text} at {q}: {short}");
+    };
+    // q³/3 − L² q/2 + L³/3, q²/2, q and 2 q².
+    at("abs(x - q)*x, x in 0..2", "0.75", "0.3", "1.3072916666666666666666666666667");
+    at("step(q - x)*x, x in 0..2", "0.75", "0.3", "0.28125");
+    at("step(q - x), x in 0..2e-6", "0.75e-6", "0.3", "0.75e-6");
+    // c³/3 + 1/12, and c/4 below the turn.
+    at("max(x, 0.5)^2, x in 0..1.2*a", "0", "0.5", "0.15533333333333333333333333333333");
+    at("max(x, 0.5)^2, x in 0..1.2*a", "0", "0.25", "0.075");
+    at("exp(-abs(x - q)), x in 0..2", "0.75", "0.3", "1.2411286503987951925370680224089");
+}

@@ -76,10 +76,10 @@ fn integral_of_term(builder: &mut ExprBuilder, e: Id, over: Over, (words, place)
     if size > INTEGRAND_LIMIT || !builder.spend(size, place) {
         return None;
     }
-    let trial = Trial::new(builder, e, over);
+    let roots = cuts(builder, e, over.symbol);
+    let trial = Trial::new(builder, e, over, &roots);
     let Over { limits: [from, to], .. } = trial.over;
     let whole = [Piece::new(builder, e, trial.over, from, to)];
-    let roots = cuts(builder, e, over.symbol);
     let edges = match roots.len() <= CUT_LIMIT && (trial.ordered || roots.len() <= 1) {
         true => edges(builder, trial.over, roots),
         false => vec![from, to],

@@ -61,17 +61,27 @@ const REMAINDER: f64 = 0.02;
 /// How much larger than the integral the terms of a closed form may be.
 const CANCELLATION: f64 = 1e3;
 
+/// Where in the interval a place is put at which the integrand turns: the first share of it that what is free allows.
+const SHARES: [f64; 3] = [0.618, 0.053, 0.947];
+
 impl Trial {
-    /// Draws the numbers.
-    pub fn new(builder: &ExprBuilder, e: Id, over: Over) -> Trial {
+    /// Draws the numbers.  Each of the `turns`, places at which something in the integrand vanishes, is inside of the interval at some of them
+    /// if what it is made of allows it: a rule that never saw a kink, or a peak, does not show how wrong it is.
+    pub fn new(builder: &ExprBuilder, e: Id, over: Over, turns: &[Id]) -> Trial {
         let symbols = builder.graph.symbols([&[e], &over.limits[..]].concat());
         let mut random = Random::new();
         let free: Vec<Symbol> = symbols.into_iter().filter(|s| *s != over.symbol).collect();
         let trials = if free.is_empty() { 1 } else { TRIALS };
-        let values: Vec<Values> = (0..trials)
+        let mut values: Vec<Values> = (0..trials)
             .map(|k| free.iter().map(|s| (*s, drawn(&builder.defaults, *s, k, &mut random))).collect())
             .chain(builder.settings.iter().filter_map(|setting| set(builder, &free, setting)))
             .collect();
+        for turn in turns {
+            let tape = Tape::new(&builder.graph, &[over.limits[0], over.limits[1], *turn]);
+            if !values.iter().any(|values| is_inside(share(&tape, values))) {
+                values.extend(turned_inside(builder, &free, &tape, &values));
+            }
+        }
         let mut trial = Trial { over, reversed: false, ordered: false, values, survey: Vec::new() };
         let widths: Vec<f64> = {
             let tape = Tape::new(&builder.graph, &over.limits);
@@ -174,6 +184,39 @@ impl Piece {
     fn tape(&self, graph: &Graph) -> Tape {
         Tape::new(graph, &[self.width, self.from_left, self.from_right])
     }
+}
+
+/// Where in an interval a place is: 0 at its beginning, 1 at its end.
+fn share(tape: &Tape, values: &Values) -> f64 {
+    let found = tape.evaluate(|s| value(values, s));
+    (found[2] - found[0]) / (found[1] - found[0])
+}
+
+fn is_inside(share: f64) -> bool {
+    share > 0.0 && share < 1.0
+}
+
+/// Values drawn last, with another of one symbol, with which a place is inside of the interval; `None` where none is found.
+fn turned_inside(builder: &ExprBuilder, free: &[Symbol], tape: &Tape, known: &[Values]) -> Option<Values> {
+    let last = known.last()?;
+    let with = |symbol: Symbol, x: f64| -> Values {
+        last.iter().map(|(known, old)| (*known, if *known == symbol { x } else { *old })).collect()
+    };
+    let pairs = SHARES.iter().flat_map(|share| free.iter().map(move |symbol| (*share, *symbol)));
+    pairs.into_iter().find_map(|(wanted, symbol)| {
+        // A step of the secant method: the place and the limits are linear in most of what they are made of.
+        let missing = |x: f64| {
+            let found = tape.evaluate(|s| value(&with(symbol, x), s));
+            found[2] - found[0] - wanted * (found[1] - found[0])
+        };
+        let here = value(last, symbol);
+        let other = if here == 0.0 { 1.0 } else { 1.1 * here };
+        let x = here - missing(here) * (other - here) / (missing(other) - missing(here));
+        let [low, high] = usual(&builder.defaults, symbol);
+        let allowed = !matches!(symbol, Symbol::Parameter(_)) || (low..=high).contains(&x);
+        let values = with(symbol, x);
+        (allowed && x.is_finite() && is_inside(share(tape, &values))).then_some(values)
+    })
 }
 
 fn value(values: &Values, symbol: Symbol) -> f64 {

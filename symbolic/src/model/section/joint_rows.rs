@@ -83,7 +83,9 @@ impl Resolver<'_> {
             let turning = vectors::swept(&mut self.builder.graph, &omega?, &value);
             return Some(vectors::difference(&mut self.builder.graph, &turning, &rate));
         }
-        let centre = self.scope.value(self.scope.bodies[body?].position)?.components().to_vec();
+        let Some(Value::Vector(centre)) = self.scope.value(self.scope.bodies[body?].position).cloned() else {
+            return None;
+        };
         let arm = vectors::difference(&mut self.builder.graph, &centre, &value);
         // The material of a particle is in one place.
         let Some(omega) = omega else { return Some(arm) };
