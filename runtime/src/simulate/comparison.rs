@@ -369,13 +369,17 @@ fn project(system: &mut dyn System, settings: &mut Settings, start: &[f64], move
 fn leave_walls(system: &dyn System, t: f64, start: &[f64], q: &mut [f64]) {
     let gaps: Vec<usize> =
         system.contacts().all.iter().filter_map(|contact| contact.normal).map(|row| row as usize).collect();
-    let rows = &system.description().rows;
+    let (rows, n) = (&system.description().rows, q.len());
+    let at_rest = |q: &[f64]| [q, &vec![0.0; n]].concat();
     let mut kept: Vec<usize> =
         system.active_rows().iter().map(|row| *row as usize).filter(|row| rows[*row].holonomic).collect();
-    let least: Vec<f64> = constraint_triples(system, At::place(t, start)).iter().map(|[c, ..]| c.min(0.0)).collect();
+    let least: Vec<f64> =
+        constraint_triples(system, At::packed(t, &at_rest(start), n)).iter().map(|[c, ..]| c.min(0.0)).collect();
     // What leads out of one wall may lead into another one.
     for _ in 0..gaps.len() {
-        let here = constraint_triples(system, At::place(t, q));
+        let y = at_rest(q);
+        let at = At::packed(t, &y, n);
+        let here = constraint_triples(system, at);
         let entered: Vec<usize> =
             gaps.iter().copied().filter(|row| here[*row][0] < least[*row] && !kept.contains(row)).collect();
         if entered.is_empty() {
@@ -387,7 +391,7 @@ fn leave_walls(system: &dyn System, t: f64, start: &[f64], q: &mut [f64]) {
             1,
             |k, _| if gaps.contains(&kept[k]) { least[kept[k]] } else { 0.0 } - here[kept[k]][0],
         );
-        let Some(back) = solve_least(&constraint_matrix(system, At::place(t, q), &kept), &right) else { return };
+        let Some(back) = solve_least(&constraint_matrix(system, at, &kept), &right) else { return };
         q.iter_mut().zip(back.iter()).for_each(|(q, back)| *q += back);
     }
 }

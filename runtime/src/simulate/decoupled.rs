@@ -8,7 +8,7 @@ use super::{Settings, Start, finish, start};
 use crate::cause::Cause;
 use crate::driver::{Integration, StopReason};
 use crate::error::Error;
-use crate::mechanism::{Method, OfPart, System};
+use crate::mechanism::{Method, OfPart, System, Trigger};
 use crate::run::{Failure, PartRun, Recorder, Run, Together, instant, put_together};
 use crate::stopwatch::Stopwatch;
 
@@ -24,8 +24,9 @@ pub(super) fn parts(system: &dyn System, settings: &Settings) -> Result<Vec<Part
     settings.check(description)?;
     let replaced = (0..description.inputs.len()).any(|input| system.signal(input).is_some());
     let chosen = settings.method != Method::Auto || settings.step.is_some();
-    // Parts count their own events only.
-    let whole = !settings.start_conditions.is_empty() || !settings.ignored_events.is_empty();
+    // Parts count their own events only, and no clock is of one of them.
+    let ticks = (0..description.events.len()).any(|event| *system.sampling().trigger(event) != Trigger::Zero);
+    let whole = ticks || !settings.start_conditions.is_empty() || !settings.ignored_events.is_empty();
     if !settings.apart || chosen || replaced || system.derivation().is_some() || whole {
         return Ok(Vec::new());
     }

@@ -365,3 +365,19 @@ fn the_time_at_which_a_reaction_vanishes_has_its_digits() {
     let later = lift + std::f64::consts::TAU / 40.0;
     assert!((second.parse::<f64>().unwrap_or_else(|_| panic!("{text}")) - later).abs() < 1e-6, "{second} for {later}");
 }
+
+/// Of two particles that nothing couples, which are run one by one, a clock belongs to neither.
+#[test]
+fn a_clock_stops_what_is_run_part_by_part() {
+    let head = "name: Cut\nparameters: {k: 4 N/m, a: 0.1 m}\ncoordinates: {x: m, y: m}\n";
+    let bodies = "bodies: {a1: {mass: 1 kg, position: \"[x, 0]\"}, b: {mass: 1 kg, position: \"[0, y]\"}}\n";
+    let spring = "springs: {s: {stretch: x, stiffness: k, on: a1, along: \"[1, 0]\"}}\n";
+    let events = "events: {pass: {when: x - a, then: record}, cut: {every: 1 s, from: 300 ms, then: stop}}\n";
+    let text = format!("{head}{bodies}{spring}{events}scene: {{start: {{x': 1}}, until: 1}}\n");
+    let run = case(&text).run();
+    assert_eq!(run.last().t, 0.3);
+    assert!((run.last()["x"] - 0.6_f64.sin() / 2.0).abs() < 1e-9, "{}", run.last()["x"]);
+    let recorded = case(&text.replace("then: stop", "then: record").replace("every: 1 s", "every: 0.2 s")).run();
+    let ticks = recorded.events.iter().filter(|event| event.name == "cut");
+    assert_eq!(ticks.count(), 4);
+}
