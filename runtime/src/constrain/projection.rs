@@ -27,7 +27,7 @@ pub(crate) struct Projection {
     worst: Residuals,
     /// What rounding of constraints makes of [q; q'].
     constraint_round_off: Vec<f64>,
-    /// The rows in force and their J at the last state that was near a singular position.
+    /// Rows that are independent, and their J, at the last state that was near a singular position.
     before: Option<(Vec<usize>, DMatrix<f64>)>,
 }
 
@@ -220,32 +220,20 @@ impl Projection {
         self.corrects && self.form.weakest() <= NEARLY_SINGULAR
     }
 
-    /// Whether a singular position lies between the state that was projected last and the one before: there all minors of J
-    /// change their signs.  `usual` rows are independent elsewhere.  Where there are more, those that are farthest from depending on
-    /// each other are asked at either end: others among them may come to depend on each other between.
+    /// Whether a singular position lies between the state that was projected last and the one before: there the minors of J
+    /// change their signs.  `usual` rows are independent elsewhere.
     pub fn passed<S: System + ?Sized>(&mut self, system: &S, place: At<'_>, usual: usize) -> bool {
         let near = self.corrects && self.form.rank() >= usual && self.form.weakest() <= NEAR;
-        let active = self.form.active();
-        let here = near.then(|| (active.to_vec(), constraint_matrix(system, place, active)));
+        let here = near.then(|| {
+            let rows = self.form.chosen_first(usual);
+            let j = constraint_matrix(system, place, &rows);
+            (rows, j)
+        });
         let Some((rows, before)) = std::mem::replace(&mut self.before, here) else { return false };
-        let here = constraint_matrix(system, place, &rows);
-        let first = |matrix: DMatrix<f64>| -> Vec<usize> {
-            let mut columns = DMatrix::from_fn(1, matrix.ncols(), |_, j| j);
-            matrix.col_piv_qr().p().permute_columns(&mut columns);
-            columns.iter().take(usual).copied().collect()
-        };
-        let changes = |at: &DMatrix<f64>, other: &DMatrix<f64>| {
-            let mut lines = at.transpose();
-            for mut line in lines.column_iter_mut() {
-                line.try_normalize_mut(0.0);
-            }
-            let rows = first(lines);
-            let [at, other] = [at, other].map(|j| j.select_rows(&rows));
-            let columns = first(at.clone());
-            let minor = |j: &DMatrix<f64>| j.select_columns(&columns).determinant();
-            minor(&at) * minor(&other) < 0.0
-        };
-        changes(&before, &here) && changes(&here, &before)
+        let mut columns = DMatrix::from_fn(1, system.len(), |_, j| j);
+        before.clone().col_piv_qr().p().permute_columns(&mut columns);
+        let minor = |j: &DMatrix<f64>| j.select_columns(columns.iter().take(rows.len())).determinant();
+        minor(&before) * minor(&constraint_matrix(system, place, &rows)) < 0.0
     }
 
     /// What rounding of c makes of q, and that in turn of q', at the state that was projected last; `None` where it is

@@ -25,6 +25,13 @@ impl KktSolver {
         rows
     }
 
+    /// The rows that were chosen first, so many, in the order of the mechanism's.
+    pub fn chosen_first(&self, count: usize) -> Vec<usize> {
+        let mut rows: Vec<usize> = self.order.iter().take(count).map(|k| self.active[*k]).collect();
+        rows.sort_unstable();
+        rows
+    }
+
     /// What the rows in force keep of their largest norms.
     pub(super) fn lengths(&self) -> Vec<f64> {
         let norm = |k: usize| {
