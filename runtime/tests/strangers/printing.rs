@@ -168,7 +168,7 @@ fn a_standard_deviation_stood_without_its_scale() {
     // cos 2t and its rate, each off by a thousandth of its range, 2 m and 4 m/s, up and down in turn.
     let table = |columns: &str, rate: bool| {
         let row = |k: u32| {
-            let (t, off) = (0.05 * f64::from(k), if k % 2 == 0 { 1e-3 } else { -1e-3 });
+            let (t, off) = (0.05 * f64::from(k), if k.is_multiple_of(2) { 1e-3 } else { -1e-3 });
             let mut row = format!("{t},{}", (2.0 * t).cos() + 2.0 * off);
             if rate {
                 row += &format!(",{}", -2.0 * (2.0 * t).sin() + 4.0 * off);

@@ -1,8 +1,6 @@
 //! Named reactions have all digits at every scale.
 
-use dalembert::Warning;
-
-use super::{case, program, text_of};
+use super::{program, text_of};
 
 /// The outputs at the end of a run.
 fn outputs(arguments: &[&str]) -> serde_json::Value {

@@ -95,14 +95,15 @@ impl Orientation {
             (graph.add(ca, sb), graph.sub(cb, sa))
         };
         let mut new = self.clone();
-        let mut stage = Stage { columns: UNTURNED, rate: [Id::ZERO; 3] };
         for m in 0..3 {
             (new.axes[i][m], new.axes[j][m]) = mixed(self.axes[i][m], self.axes[j][m]);
-            (stage.columns[i][m], stage.columns[j][m]) = mixed(UNTURNED[i][m], UNTURNED[j][m]);
         }
         (new.own_velocity[i], new.own_velocity[j]) = mixed(self.own_velocity[i], self.own_velocity[j]);
         new.own_velocity[k] = graph.add(self.own_velocity[k], rate);
         new.spun(graph, rate, &self.axes[k]);
+        let mut stage = Stage { columns: UNTURNED, rate: [Id::ZERO; 3] };
+        (stage.columns[i][i], stage.columns[i][j]) = (cosine, sine);
+        (stage.columns[j][i], stage.columns[j][j]) = (graph.neg(sine), cosine);
         stage.rate[k] = rate;
         new.stages.push(stage);
         new
