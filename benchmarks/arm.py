@@ -183,17 +183,18 @@ def main():
     for name in ["aba.c", "aba.h"]:
         pathlib.Path(name).rename(folder / name)
 
-    site = pathlib.Path(pin.__file__).parents[4]
-    prefix = site if (site / "include/pinocchio").exists() else pathlib.Path(pin.__file__).parents[5] / "cmeel.prefix"
+    prefix = next(folder for folder in pathlib.Path(pin.__file__).parents if (folder / "include/pinocchio").exists())
     beside = pathlib.Path(mujoco.__file__).parent
     eigen = pathlib.Path(casadi.__file__).parent / "include/eigen3"
     library = next(beside.glob("libmujoco.so*"))
     flags = ["-O3", "-march=native", "-ffp-contract=fast", "-DNDEBUG", "-shared", "-fPIC"]
     c, cc = ["gcc", "-std=c11", *flags], ["g++", "-std=c++17", *flags]
+    # Pinocchio has more kinds of joints than Boost's lists have places by themselves.
+    variants = ["-DBOOST_MPL_LIMIT_LIST_SIZE=30", "-DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS"]
     numbers = {"gravity": GRAVITY, "joints": joints(model)}
     made = {
         "dalembert": ("c", DALEMBERT, [*c, folder / "arm6.c", folder / "dalembert_core.c", "-lm"]),
-        "Pinocchio": ("cc", PINOCCHIO % numbers, [*cc, f"-I{prefix}/include", f"-I{eigen}", f"-L{prefix}/lib", f"-Wl,-rpath,{prefix}/lib", "-DBOOST_MPL_LIMIT_LIST_SIZE=30", "-DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS", "-lpinocchio_default"]),
+        "Pinocchio": ("cc", PINOCCHIO % numbers, [*cc, f"-I{prefix}/include", f"-I{eigen}", f"-L{prefix}/lib", f"-Wl,-rpath,{prefix}/lib", *variants, "-lpinocchio_default"]),
         "MuJoCo": ("c", MUJOCO % numbers, [*c, f"-I{beside}/include", library, f"-Wl,-rpath,{beside}"]),
         "CasADi": ("c", CASADI % {"integers": function.sz_iw(), "reals": function.sz_w()}, [*c, "-lm"]),
     }

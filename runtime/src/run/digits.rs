@@ -281,7 +281,7 @@ impl<'a> ImpulseRounding<'a> {
     }
 }
 
-/// At which times of the first run an event lies between the two: its instant and the reported one are the same as far as the runs tell, and so many
+/// At which times of the first run an event is between the two: its instant and the reported one are the same as far as the runs tell, and so many
 /// events as at the times before and after were in neither.
 fn straddles(run: &Run, other: &Run) -> Vec<bool> {
     let count = |run: &Run, t: f64| run.events.partition_point(|event| event.state.t <= t) as isize;

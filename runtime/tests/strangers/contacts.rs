@@ -63,7 +63,7 @@ fn pushed(parameters: &str, force: &str, more: &str) -> String {
     format!("{head}{body}forces: {{f: {{on: p, force: \"{force}\"}}}}\n{more}")
 }
 
-/// What slips, sticks or lifts where a motion begins is decided with the discontinuities on the sides on which the state lies.
+/// What slips, sticks or lifts where a motion begins is decided with the discontinuities on the sides on which the state is.
 #[test]
 fn contacts_begin_with_discontinuities_on_their_sides() {
     let rub = "friction: {rub: {rate: x', on: p, along: \"[1, 0]\", limit: b}}\n";

@@ -12,12 +12,9 @@
 //! forces and moments back from frame to frame.
 
 use super::virtual_power::{Wrench, beside_bodies, wrenches};
-use super::{Dynamics, Equations, Inertial, bias_rates, lagrange, mass_entries, rates};
-use crate::expr::{Graph, Id, Symbol, vectors};
+use super::{Derivative, Dynamics, Equations, Inertial, lagrange, rates};
+use crate::expr::{Graph, Id, vectors};
 use crate::model::{Rotation, Stage, product};
-
-/// A derivative by time.
-type Derivative = fn(&mut Graph, &[Id]) -> Vec<Id>;
 
 /// A body's velocities, along the axes in which it is placed and along its own, each with the force or moment that is missing for its motion.
 pub(super) struct Moving {
@@ -37,16 +34,8 @@ pub(super) fn equations(graph: &mut Graph, dynamics: &Dynamics, formed: bool) ->
     if !applies(dynamics) {
         return None;
     }
-    let residual = self::residual(graph, dynamics, rates);
-    let (mut bias, mut mass) = (Vec::new(), Vec::new());
-    if formed {
-        bias = self::residual(graph, dynamics, bias_rates);
-        mass = mass_entries(graph, &residual, |s| match s {
-            Symbol::Acceleration(j) => Some(j as usize),
-            _ => None,
-        });
-    }
-    Some(Equations { name: "virtual power along the bodies' axes", mass, bias, residual })
+    let name = "virtual power along the bodies' axes";
+    Some(Equations::of_residual(graph, name, formed, |graph, second| residual(graph, dynamics, second)))
 }
 
 fn residual(graph: &mut Graph, dynamics: &Dynamics, second: Derivative) -> Vec<Id> {

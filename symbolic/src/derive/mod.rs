@@ -59,6 +59,30 @@ pub struct Equations {
     pub residual: Vec<Id>,
 }
 
+/// Total derivatives by time, with the accelerations or at zero ones.
+type Derivative = fn(&mut Graph, &[Id]) -> Vec<Id>;
+
+impl Equations {
+    /// From what gives F with accelerations, and h without: M is ∂F/∂q''.  M and h where they are to be `formed`.
+    fn of_residual(
+        graph: &mut Graph,
+        name: &'static str,
+        formed: bool,
+        residual: impl Fn(&mut Graph, Derivative) -> Vec<Id>,
+    ) -> Equations {
+        let with_accelerations = residual(graph, rates);
+        let (mut bias, mut mass) = (Vec::new(), Vec::new());
+        if formed {
+            bias = residual(graph, bias_rates);
+            mass = mass_entries(graph, &with_accelerations, |s| match s {
+                Symbol::Acceleration(j) => Some(j as usize),
+                _ => None,
+            });
+        }
+        Equations { name, mass, bias, residual: with_accelerations }
+    }
+}
+
 /// What the energy balance needs.
 #[derive(Clone, Copy, Debug)]
 pub struct Energies {

@@ -7,26 +7,17 @@
 //! In space the nine components of a body's unit vectors stand for its angle: how its frame is turned is not used, and the angular velocity
 //! comes from these components alone, so that a mistake of the recursion that Lagrange's energies use shows.
 
-use super::{Dynamics, Equations, Inertial, bias_rates, lagrange, mass_entries, rates};
+use super::{Derivative, Dynamics, Equations, Inertial, lagrange, rates};
 use crate::expr::{Graph, Id, Rational, Symbol, reverse, vectors};
 use crate::model::{Rotation, product};
 
 /// M and h, where they are to be `formed`, and F from the bodies.
 pub(crate) fn equations(graph: &mut Graph, dynamics: &Dynamics, formed: bool) -> Equations {
-    let with_accelerations = residual(graph, dynamics, rates);
-    let (mut bias, mut mass) = (Vec::new(), Vec::new());
-    if formed {
-        bias = residual(graph, dynamics, bias_rates);
-        mass = mass_entries(graph, &with_accelerations, |s| match s {
-            Symbol::Acceleration(j) => Some(j as usize),
-            _ => None,
-        });
-    }
-    Equations { name: "virtual power", mass, bias, residual: with_accelerations }
+    Equations::of_residual(graph, "virtual power", formed, |graph, second| residual(graph, dynamics, second))
 }
 
 /// The reverse pass; `second` differentiates velocities once more, with or without accelerations.
-fn residual(graph: &mut Graph, dynamics: &Dynamics, second: fn(&mut Graph, &[Id]) -> Vec<Id>) -> Vec<Id> {
+fn residual(graph: &mut Graph, dynamics: &Dynamics, second: Derivative) -> Vec<Id> {
     let mut seeds: Vec<(Id, Id)> = Vec::new();
     // Of all bodies together, since a body's position mostly contains that of another.
     let attitude = |b: &Inertial| b.rotation.as_ref().map(Rotation::attitude).unwrap_or_default();
@@ -74,7 +65,7 @@ fn residual(graph: &mut Graph, dynamics: &Dynamics, second: fn(&mut Graph, &[Id]
 pub(super) fn beside_bodies(
     graph: &mut Graph,
     dynamics: &Dynamics,
-    second: fn(&mut Graph, &[Id]) -> Vec<Id>,
+    second: Derivative,
     mut seeds: Vec<(Id, Id)>,
 ) -> Vec<Id> {
     seeds.push((dynamics.potential, Id::ONE));

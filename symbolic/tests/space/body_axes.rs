@@ -46,8 +46,8 @@ fn hinges_take_fewer_operations_along_their_own_axes() {
     }
 }
 
-/// A chain of ten takes no more for its accelerations than the articulated-body recursion by hand (Featherstone, Rigid Body Dynamics Algorithms,
-/// 2008, table 10.1: 3783), which elimination finds by itself.
+/// A chain of ten takes no more for its accelerations than the articulated-body recursion by hand, 429 n − 507 or 3783 as it is usually counted
+/// (by the study, not looked up: Featherstone, Rigid Body Dynamics Algorithms, 2008, ch. 10), which elimination finds by itself.
 #[test]
 fn elimination_finds_the_recursion_along_the_axes_of_links() {
     let [six, ten] = [6, 10].map(|n| {
