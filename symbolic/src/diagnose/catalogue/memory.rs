@@ -16,9 +16,9 @@ super::entries! {
     E274 key_of_other_trigger(key, of) "a key that belongs to another kind of event"
         "`{key}` is for events with `{of}`" "" "leave `{key}` out"
         "`direction` says in which direction a function passes through zero, `from` when the first tick comes.";
-    E275 column_of_memory(name) "an output with the name of a held value"
-        "`{name}` is a held value, which is written down by itself" "" "leave this output out, or give it another name"
-        "Every held value is a column of tables, charts and JSON under its own name.";
+    E275 column_taken(name, what) "an output with the name of what is written down by itself"
+        "`{name}` is {what}, which is written down by itself" "" "leave this output out, or give it another name"
+        "Time, coordinates, states and held values are columns of tables, charts and JSON under their own names; two columns of one name with two values cannot be told apart. An output `x: x` of a coordinate is allowed.";
     E276 integral_of_memory(name) "a held value in an integral"
         "`{name}` contains a held value, and an integral may not" "" "take it out of the integral where it is a factor; else compute the integral as a state: `rate`"
         "An integral is computed by a rule that was tried at the values that its integrand may have, and a held value may have any.";

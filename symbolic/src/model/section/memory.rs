@@ -91,7 +91,7 @@ impl Resolver<'_> {
                 let outputs = crate::diagnose::Place::default().key("outputs");
                 let map = self.root.get("outputs").is_some_and(|outputs| outputs.get(&name).is_some());
                 let place = if map { outputs.key(&name).of_key() } else { outputs };
-                self.builder.problems.push(memory::column_of_memory(place, &name));
+                self.builder.problems.push(memory::column_taken(place, &name, "a held value"));
             }
             let measure = self.scope.units.memory[j];
             let measured = measure.dimension().filter(|dimension| *dimension != Dimension::ONE).map(|d| d.to_string());

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use crate::diagnose::Place;
-use crate::diagnose::catalogue::{mechanics, names};
+use crate::diagnose::catalogue::{mechanics, memory, names};
 use crate::diagnose::did_you_mean_or;
-use crate::expr::{Binary, Graph, Id, Node as Expression, Unary};
+use crate::expr::{Binary, Graph, Id, Node as Expression, Symbol, Unary};
 use crate::file::{Node, Spot, Text, Written};
 use crate::model::expression::dimension::{Dimension, Measure};
 use crate::model::expression::families::{Expanded, Locals};
@@ -234,7 +234,10 @@ impl Resolver<'_> {
                     break;
                 }
                 match &written {
-                    Some(written) => self.output(name, written, &member.locals),
+                    Some(written) => {
+                        let value = self.output(name, written, &member.locals);
+                        self.refuse_column_of_its_own(member, &value, &spot.place);
+                    }
                     None => self.watch(&name, &Value::Poison),
                 }
             }
@@ -253,13 +256,30 @@ impl Resolver<'_> {
         }
     }
 
-    fn output(&mut self, name: String, written: &Written, locals: &Locals) {
+    fn output(&mut self, name: String, written: &Written, locals: &Locals) -> Value {
         let value = self.builder.written(&self.scope, written, Rules::anything("an output"), locals);
         self.watch(&name, &value);
         let known = self.builder.measured.dimension().filter(|dimension| *dimension != Dimension::ONE);
         let ast = if let Written::One(text) = written { Some(&*text.ast) } else { None };
         let unit = known.map(|dimension| radians::unit(dimension, ast, &self.scope.units.radians));
-        self.model.outputs.push(Output { name, value: components(value, 1), unit, of_reactions: false });
+        self.model.outputs.push(Output { name, value: components(value.clone(), 1), unit, of_reactions: false });
+        value
+    }
+
+    /// Time, coordinates and states are written down under their own names: an output of one of these names must be that.
+    fn refuse_column_of_its_own(&mut self, output: &Expanded, value: &Value, place: &Place) {
+        let member = self.scope.names.get(&output.base).and_then(|entry| entry.members.get(&output.indices));
+        let (what, own) = match member {
+            _ if output.base == "t" => ("time", Some(Symbol::Time)),
+            Some(Member::Coordinate(place)) => ("a coordinate", Some(Symbol::Coordinate(*place))),
+            Some(Member::Rotation(_)) => ("a coordinate", None),
+            Some(Member::State(place)) => ("a state", Some(Symbol::State(*place))),
+            _ => return,
+        };
+        let own = own.map(|symbol| Value::Scalar(self.builder.graph.symbol(symbol)));
+        if *value != Value::Poison && own.as_ref() != Some(value) {
+            self.builder.problems.push(memory::column_taken(place.of_key(), &output.name(), what));
+        }
     }
 
     /// Notes a quantity, in the unit of what was evaluated last, for scenes.
