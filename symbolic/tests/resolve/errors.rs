@@ -245,6 +245,8 @@ phases: {slide: [floor], \"roll[i in 1..2]\": [floor, roll], flight: []}";
     refused(&format!("{idle}phases: {{stop: [floor]}}"), "E203", "stop");
     refused(&format!("{idle}phases: {{\"a[1]\": [floor], \"a[i in 1..2]\": []}}"), "E310", "\"a[i in 1..2]\"");
     refused("phases: {a: [x]}", "E235", "x");
+    let ticks = "noise: {gust: {every: 1 s, sigma: 1 N}}\nevents: {gust: {every: 1 s, then: record}}";
+    refused(ticks, "E310", "gust");
     for entry in [
         "springs: {s: {between: [P, O], stiffness: 1, PHASE}}",
         "dampers: {s: {between: [P, O], damping: 1, PHASE}}",

@@ -46,6 +46,11 @@ impl Resolver<'_> {
             let then = spot.need("then", "an event", &mut self.builder.problems);
             for member in &family.members {
                 let name = member.name();
+                if self.scope.names.get(&member.base).is_some_and(|entry| entry.section == Section::Noise) {
+                    let problem = sections::duplicate_label(spot.place.of_key(), &name, "`noise` and `events`");
+                    self.builder.problems.push(problem);
+                    break;
+                }
                 if !self.unique(&mut seen, &name, "`events`", &spot.place) {
                     break;
                 }
