@@ -227,6 +227,10 @@ bodies: {skater: {mass: MASS, inertia: J*(1 - r*t), angle: phi, position: [0, 0]
     assert_eq!(codes(&turning.replace("MASS", "m")), ["E459"]);
     assert_eq!(codes(&turning.replace("MASS", "m - q*t")), ["E459"]);
     assert_eq!(codes(&turning.replace("MASS", "m - q*t, loses: {}")), [""; 0]);
+    // What a constant mass is told does: the energy of the turning, without the inertia.
+    let energy = "position: [0, 0]}}\nkinetic_energy: J*(1 - r*t)*phi'^2/2";
+    let by_energy = turning.replace("inertia: J*(1 - r*t), angle: phi, position: [0, 0]}}", energy);
+    assert_eq!(codes(&by_energy.replace("MASS", "m")), [""; 0]);
 }
 
 #[test]

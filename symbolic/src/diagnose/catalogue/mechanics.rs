@@ -157,8 +157,8 @@ super::entries! {
     E458 own_joint(side) "a joint of a body with itself"
         "this joint joins `{side}` with itself" "" "name two; what holds a body in place is `ground`"
         "A joint holds one side at the other.";
-    E459 exchange_unsaid(what, name) "a mass that changes, and nothing says how"
-        "the {what} of `{name}` changes along the motion" "with which velocity does what leaves or comes move?" "say it in the body, `loses: {{velocity: [0, 0]}}` or `gains: {{velocity: [0, 0]}}` with the velocity against the ground (in space of three components), `loses: {{}}` if it moves with the body; inertia that changes because parts move is that of several bodies"
+    E459 exchange_unsaid(what, name, label, help) "a mass that changes, and nothing says how"
+        "the {what} of `{name}` changes along the motion" "{label}" "{help}"
         "What leaves a body takes momentum with it: m a = ΣF + m' (w − v). A mass of time or of states may stand alone, and then leaves with the velocity of its body; one that the position changes is laid down or taken up, and inertia changes otherwise too.";
     E460 mass_stays(name, key) "an exchange of mass that does not change"
         "the mass of `{name}` does not change" "nothing goes" "remove `{key}`, or give `mass` in time, coordinates or states: `mass: m0 - burnt*t`"

@@ -13,6 +13,17 @@ use crate::model::expression::rules::Rules;
 use crate::model::resolved::Work;
 use crate::model::resolver::Resolver;
 
+/// What is asked, and the way out, where the mass changes.
+const MASS_GOES: (&str, &str) = (
+    "with which velocity does what leaves or comes move?",
+    "say it in the body, `loses: {velocity: [0, 0]}` or `gains: {velocity: [0, 0]}` with the velocity against the ground (in space of three components), `loses: {}` if it moves with the body",
+);
+/// The same where it does not.
+const PARTS_MOVE: (&str, &str) = (
+    "the mass does not change: which parts move?",
+    "make them bodies of their own; or leave `inertia` and `angle` out, and write the energy of the turning: `kinetic_energy: (I + r*t)*phi'^2/2`",
+);
+
 /// `loses` or `gains`, as written.
 #[derive(Clone, Debug)]
 pub struct Exchange {
@@ -61,7 +72,8 @@ impl Resolver<'_> {
                 }
                 None if by_place || turns_otherwise => {
                     let what = if by_place { "mass" } else { "inertia" };
-                    Some(mechanics::exchange_unsaid(place(), what, &body.name))
+                    let (label, help) = if changing { MASS_GOES } else { PARTS_MOVE };
+                    Some(mechanics::exchange_unsaid(place(), what, &body.name, label, help))
                 }
                 _ if changing && jumps(graph, body.mass) => Some(mechanics::mass_jumps(place(), &body.name)),
                 _ => None,
