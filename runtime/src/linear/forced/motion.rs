@@ -19,7 +19,7 @@ impl Linearised {
             #[cfg(not(feature = "modal"))]
             false => return Err(LinearError::NeedsFeature { feature: "modal" }),
         };
-        modes.iter_mut().for_each(|mode| mode.note_uncertainty(self));
+        Mode::note_uncertainties(&mut modes, self);
         Ok(modes)
     }
 

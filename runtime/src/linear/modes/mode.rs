@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::fmt;
 
-use nalgebra::Complex;
+use nalgebra::{Complex, DMatrix, DVector};
 
 use crate::linear::{Linearised, SparseMatrix, short_within};
 
@@ -68,16 +68,26 @@ pub struct Mode {
 impl Mode {
     /// Normalises the shape and finds what carries the energy.
     pub(in crate::linear) fn new(
-        mut shape: Vec<Complex<f64>>,
+        shape: Vec<Complex<f64>>,
         mass: &SparseMatrix,
         names: &[String],
-        (omega, zeta, eigenvalue, kind): (f64, Option<f64>, Complex<f64>, Kind),
+        what: (f64, Option<f64>, Complex<f64>, Kind),
     ) -> Mode {
         let mut momentum = vec![Complex::new(0.0, 0.0); shape.len()];
         for (row, column, value) in &mass.entries {
             momentum[*row as usize] += shape[*column as usize] * *value;
         }
-        let parts: Vec<f64> = shape.iter().zip(&momentum).map(|(x, p)| (x.conj() * p).re).collect();
+        Mode::with_momentum(shape, &momentum, names, what)
+    }
+
+    /// The same with M φ.
+    pub(super) fn with_momentum(
+        mut shape: Vec<Complex<f64>>,
+        momentum: &[Complex<f64>],
+        names: &[String],
+        (omega, zeta, eigenvalue, kind): (f64, Option<f64>, Complex<f64>, Kind),
+    ) -> Mode {
+        let parts: Vec<f64> = shape.iter().zip(momentum).map(|(x, p)| (x.conj() * p).re).collect();
         let energy: f64 = parts.iter().sum();
         let factor = in_phase(&shape, &parts) / energy.sqrt();
         for x in &mut shape {
@@ -85,9 +95,8 @@ impl Mode {
         }
         // Where M couples coordinates, what each has of the energy may be negative: its size counts.
         let sizes: f64 = parts.iter().map(|part| part.abs()).sum();
-        let mut carriers: Vec<(String, f64)> =
-            names.iter().cloned().zip(parts.iter().map(|part| part.abs() / sizes)).collect();
-        carriers.retain(|(_, part)| *part >= 0.01);
+        let carry = names.iter().zip(parts.iter().map(|part| part.abs() / sizes)).filter(|(_, part)| *part >= 0.01);
+        let mut carriers: Vec<(String, f64)> = carry.map(|(name, part)| (name.clone(), part)).collect();
         carriers.sort_by(|a, b| b.1.total_cmp(&a.1));
         Mode {
             omega,
@@ -103,17 +112,20 @@ impl Mode {
         }
     }
 
-    /// Notes how much of the eigenvalue rounding of M, C and K can change: εφᴴ(|λ|²|M| + |λ||C| + |K|)φ beside twice |λ|²φᴴMφ.
-    pub(in crate::linear) fn note_uncertainty(&mut self, linear: &Linearised) {
-        let sizes: Vec<f64> = self.shape.iter().map(|x| x.norm()).collect();
-        let form = |matrix: &SparseMatrix| -> f64 {
-            let term = |(i, j, x): &(u32, u32, f64)| sizes[*i as usize] * sizes[*j as usize] * x.abs();
-            matrix.entries.iter().map(term).sum()
-        };
-        let rate = self.eigenvalue.norm();
-        if rate > 0.0 {
-            let parts = form(&linear.mass) + form(&linear.damping) / rate + form(&linear.stiffness) / rate / rate;
-            self.uncertainty = 0.5 * f64::EPSILON * parts;
+    /// Notes how much of each eigenvalue rounding of M, C and K can change: εφᴴ(|λ|²|M| + |λ||C| + |K|)φ beside twice |λ|²φᴴMφ.
+    pub(in crate::linear) fn note_uncertainties(modes: &mut [Mode], linear: &Linearised) {
+        let sizes = DMatrix::from_fn(linear.len(), modes.len(), |i, k| modes[k].shape[i].norm());
+        let forms = [&linear.mass, &linear.damping, &linear.stiffness].map(|matrix| {
+            let products = if matrix.is_zero() { &sizes * 0.0 } else { matrix.to_dense().abs() * &sizes };
+            DVector::from_fn(modes.len(), |k, _| products.column(k).dot(&sizes.column(k)))
+        });
+        let [inertia, damping, stiffness] = forms;
+        for (k, mode) in modes.iter_mut().enumerate() {
+            let rate = mode.eigenvalue.norm();
+            if rate > 0.0 {
+                let parts = inertia[k] + damping[k] / rate + stiffness[k] / rate / rate;
+                mode.uncertainty = 0.5 * f64::EPSILON * parts;
+            }
         }
     }
 

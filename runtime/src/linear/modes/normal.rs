@@ -115,6 +115,8 @@ impl Spectrum {
 
     fn modes(&self, mass: &SparseMatrix, names: &[String]) -> Vec<Mode> {
         let n = self.squares.len();
+        let momenta = mass.to_dense() * &self.shapes;
+        let complex = |x: &f64| Complex::new(*x, 0.0);
         (0..n)
             .map(|k| {
                 let square = self.squares[k];
@@ -126,8 +128,9 @@ impl Spectrum {
                 } else {
                     (0.0, None, Complex::new(0.0, 0.0), Kind::Rigid)
                 };
-                let shape = self.shapes.column(k).iter().map(|x| Complex::new(*x, 0.0)).collect();
-                let mut mode = Mode::new(shape, mass, names, what);
+                let shape = self.shapes.column(k).iter().map(complex).collect();
+                let momentum: Vec<Complex<f64>> = momenta.column(k).iter().map(complex).collect();
+                let mut mode = Mode::with_momentum(shape, &momentum, names, what);
                 // Nearer ones have shapes without a meaning of their own.
                 let near = |other: f64| 1e6 * f64::EPSILON * square.abs().max(other.abs());
                 let close = |j: usize| (self.squares[j] - square).abs() <= near(self.squares[j]);

@@ -40,11 +40,9 @@ pub(super) fn columns(
 impl Slopes {
     /// What changes by these slopes of its own; nothing where its argument does not change, however steep it is.
     fn of<const N: usize>(value: f64, parts: [(Slopes, f64); N]) -> Slopes {
-        let along = std::array::from_fn(|lane| {
-            let changes = parts.iter().filter(|(x, _)| x.along[lane] != 0.0);
-            changes.map(|(x, slope)| x.along[lane] * slope).sum()
-        });
-        Slopes { value, along }
+        let part = |dx: f64, slope: f64| if dx == 0.0 { 0.0 } else { dx * slope };
+        let along = |lane| parts.iter().fold(0.0, |sum, (x, slope)| sum + part(x.along[lane], *slope));
+        Slopes { value, along: std::array::from_fn(along) }
     }
 
     fn map(self, other: Slopes, value: f64, of: impl Fn(f64, f64) -> f64) -> Slopes {
