@@ -14,7 +14,7 @@
 use super::virtual_power::{Wrench, beside_bodies, wrenches};
 use super::{Derivative, Dynamics, Equations, Inertial, lagrange, rates};
 use crate::expr::{Graph, Id, vectors};
-use crate::model::{Rotation, Stage, product};
+use crate::model::{Rotation, Stage, Way, product};
 
 /// A body's velocities, along the axes in which it is placed and along its own, each with the force or moment that is missing for its motion.
 pub(super) struct Moving {
@@ -81,41 +81,80 @@ fn rotation(
     omega.into_iter().zip(missing).collect()
 }
 
-/// The velocity of a body's centre of mass, along the axes at the end of its way, with m a − F along the same axes.
+/// The velocity of a body's centre of mass with m a − F along the same axes: those at the end of its way, or the ground's where it has several.
 fn translation(
     graph: &mut Graph,
     (dynamics, body): (&Dynamics, &Inertial),
     wrench: &Wrench,
     second: Derivative,
 ) -> Vec<(Id, Id)> {
-    let mut turning = Turning::default();
-    let mut velocity = [Id::ZERO; 3];
-    let mut acceleration = spatial(&vectors::negative(graph, &dynamics.gravity));
+    let falling = spatial(&vectors::negative(graph, &dynamics.gravity));
+    let mut moved = Moved { velocity: [Id::ZERO; 3], acceleration: falling };
     let mut force = spatial(&wrench.force);
-    let mut pieces = body.ways.pieces.iter().peekable();
-    for after in 0..=body.ways.stages.len() {
-        if let Some((_, piece)) = pieces.next_if(|(stage, _)| *stage == after) {
-            let rate = spatial(&rates(graph, piece));
-            let swept = vectors::cross_space(graph, &turning.omega, piece);
-            let gained = vectors::add(graph, &swept, &rate);
-            velocity = spatial(&vectors::add(graph, &velocity, &gained));
-            let twice = vectors::add(graph, &gained, &rate);
-            let parts = [
-                vectors::cross_space(graph, &turning.alpha, piece),
-                vectors::cross_space(graph, &turning.omega, &twice),
-                second(graph, &rate),
-            ];
-            for part in parts {
-                acceleration = spatial(&vectors::add(graph, &acceleration, &part));
-            }
+    if let [way] = body.ways.0.as_slice() {
+        moved = moved.along(graph, way, second);
+        force = way.stages.iter().fold(force, |force, stage| stage.turned_back(graph, &force));
+    } else {
+        for way in &body.ways.0 {
+            let own = Moved::default().along(graph, way, second);
+            let outwards = |old: [Id; 3], graph: &mut Graph| {
+                way.stages.iter().rev().fold(old, |old, stage| stage.turned_out(graph, &old))
+            };
+            let (velocity, acceleration) = (outwards(own.velocity, graph), outwards(own.acceleration, graph));
+            moved = moved.and(graph, &velocity, &acceleration);
         }
-        let Some(stage) = body.ways.stages.get(after) else { break };
-        turning = turning.along(graph, stage, second);
-        [velocity, acceleration, force] = [velocity, acceleration, force].map(|old| stage.turned_back(graph, &old));
     }
-    let inertial = vectors::scaled(graph, body.mass, &acceleration);
+    let inertial = vectors::scaled(graph, body.mass, &moved.acceleration);
     let missing = vectors::difference(graph, &force, &inertial);
-    velocity.into_iter().zip(missing).collect()
+    moved.velocity.into_iter().zip(missing).collect()
+}
+
+/// How the end of a way moves, along axes there.
+#[derive(Clone, Copy)]
+struct Moved {
+    velocity: [Id; 3],
+    acceleration: [Id; 3],
+}
+
+impl Default for Moved {
+    fn default() -> Moved {
+        Moved { velocity: [Id::ZERO; 3], acceleration: [Id::ZERO; 3] }
+    }
+}
+
+impl Moved {
+    fn and(self, graph: &mut Graph, velocity: &[Id], acceleration: &[Id]) -> Moved {
+        let velocity = spatial(&vectors::add(graph, &self.velocity, velocity));
+        Moved { velocity, acceleration: spatial(&vectors::add(graph, &self.acceleration, acceleration)) }
+    }
+
+    /// At the end of a way that begins where this was.
+    fn along(mut self, graph: &mut Graph, way: &Way, second: Derivative) -> Moved {
+        let mut turning = Turning::default();
+        let mut pieces = way.pieces.iter().peekable();
+        for after in 0..=way.stages.len() {
+            if let Some((_, piece)) = pieces.next_if(|(stage, _)| *stage == after) {
+                let rate = spatial(&rates(graph, piece));
+                let swept = vectors::cross_space(graph, &turning.omega, piece);
+                let gained = vectors::add(graph, &swept, &rate);
+                let twice = vectors::add(graph, &gained, &rate);
+                let parts = [
+                    vectors::cross_space(graph, &turning.alpha, piece),
+                    vectors::cross_space(graph, &turning.omega, &twice),
+                    second(graph, &rate),
+                ];
+                self = self.and(graph, &gained, &parts[0]);
+                for part in &parts[1..] {
+                    self.acceleration = spatial(&vectors::add(graph, &self.acceleration, part));
+                }
+            }
+            let Some(stage) = way.stages.get(after) else { break };
+            turning = turning.along(graph, stage, second);
+            let [velocity, acceleration] = [self.velocity, self.acceleration].map(|old| stage.turned_back(graph, &old));
+            self = Moved { velocity, acceleration };
+        }
+        self
+    }
 }
 
 fn spatial(vector: &[Id]) -> [Id; 3] {

@@ -11,6 +11,7 @@
 //! is d/dt ∂T/∂q' − ∂T/∂q at q'' = 0.
 //! (Gibbs, American Journal of Mathematics 2 (1879) 49; Appell, Journal für die reine und angewandte Mathematik 121 (1900) 310.)
 
+use super::angular::{ByAngularVelocities, Turning};
 use super::body_axes::{self, Moving};
 use super::virtual_power::{Wrench, wrenches};
 use super::{Dynamics, Inertial, bias_rates, lagrange, rates};
@@ -28,11 +29,38 @@ pub(crate) struct LeastConstraint {
     pub forces: Vec<Id>,
     /// The kinetic energy that the file writes out, which is no list of products yet.
     pub kinetic: Id,
+    /// The rotations whose angular velocities are in the place of their numbers' rates.
+    pub turning: Vec<Turning>,
 }
 
 impl LeastConstraint {
-    /// From bodies, loads and energies.
+    /// From bodies, loads and energies; by angular velocities of rotations where these do.
     pub(crate) fn of(graph: &mut Graph, dynamics: &Dynamics) -> LeastConstraint {
+        LeastConstraint::by_angular_velocities(graph, dynamics)
+            .unwrap_or_else(|| LeastConstraint::by_speeds(graph, dynamics))
+    }
+
+    fn by_angular_velocities(graph: &mut Graph, dynamics: &Dynamics) -> Option<LeastConstraint> {
+        let by = ByAngularVelocities::of(graph, dynamics)?;
+        let mut least = LeastConstraint::default();
+        for (k, moving) in body_axes::motions(graph, &by.dynamics, bias_rates).into_iter().enumerate() {
+            least.body_in_space(dynamics, (k, moving));
+        }
+        let (velocities, forces): (Vec<Id>, Vec<Id>) = least.linear.iter().copied().unzip();
+        let seconds = least.products.iter().flat_map(|product| [product.1, product.2]);
+        let all: Vec<Id> = velocities.into_iter().chain(seconds).chain([dynamics.written_kinetic]).collect();
+        let mut all = by.velocities(graph, &all)?.into_iter();
+        let mut next = || all.next().unwrap_or(Id::ZERO);
+        least.linear = by.forces(graph, &forces).into_iter().map(|force| (next(), force)).collect();
+        least.products.iter_mut().for_each(|product| (product.1, product.2) = (next(), next()));
+        least.kinetic = next();
+        let forces = forces_beside_bodies(graph, dynamics, dynamics.written_kinetic);
+        least.forces = by.moments(graph, forces);
+        least.turning = by.turning;
+        Some(least)
+    }
+
+    fn by_speeds(graph: &mut Graph, dynamics: &Dynamics) -> LeastConstraint {
         let mut least = LeastConstraint { kinetic: dynamics.raw_kinetic, ..LeastConstraint::default() };
         if body_axes::applies(dynamics) {
             for (k, moving) in body_axes::motions(graph, dynamics, bias_rates).into_iter().enumerate() {
@@ -45,7 +73,7 @@ impl LeastConstraint {
                 least.body(graph, dynamics, (k, wrench), &velocities);
             }
         }
-        least.forces = forces(graph, dynamics);
+        least.forces = forces_beside_bodies(graph, dynamics, dynamics.raw_kinetic);
         least
     }
 
@@ -105,11 +133,11 @@ impl Velocities {
     }
 }
 
-/// hᵢ of what no body carries.
-fn forces(graph: &mut Graph, dynamics: &Dynamics) -> Vec<Id> {
-    let seeds = [(dynamics.potential, Id::ONE), (dynamics.raw_kinetic, Id::MINUS_ONE)];
+/// hᵢ of what no body carries, with this kinetic energy.
+fn forces_beside_bodies(graph: &mut Graph, dynamics: &Dynamics, kinetic: Id) -> Vec<Id> {
+    let seeds = [(dynamics.potential, Id::ONE), (kinetic, Id::MINUS_ONE)];
     let gradient = reverse(graph, &seeds, |s| matches!(s, Symbol::Coordinate(_)));
-    let momenta = lagrange::speed_gradient(graph, dynamics.n, &[(dynamics.raw_kinetic, Id::ONE)]);
+    let momenta = lagrange::speed_gradient(graph, dynamics.n, &[(kinetic, Id::ONE)]);
     let momentum_rates = bias_rates(graph, &momenta);
     let resisting = lagrange::speed_gradient(graph, dynamics.n, &lagrange::speed_seeds(dynamics));
     let resisting = lagrange::with_generalized(graph, dynamics, resisting);

@@ -14,6 +14,7 @@
 //!
 //! Every derivation gives the same [`Equations`]; `gate` compares them, `lower` picks the cheapest.
 
+mod angular;
 mod body_axes;
 pub(crate) mod branches;
 mod changing_mass;
@@ -221,6 +222,10 @@ pub(crate) struct Dynamics {
     pub potential: Id,
     /// Kinetic energy beside the bodies'.
     pub raw_kinetic: Id,
+    /// The same without that of rotations' lengths.
+    pub written_kinetic: Id,
+    /// The places of rotations' first numbers.
+    pub rotations: Vec<usize>,
     /// Rayleigh's function.
     pub dissipation: Id,
     /// (rate, tension) of dampers.
@@ -261,7 +266,7 @@ impl Dynamics {
     fn of(model: &mut Model) -> Dynamics {
         // Everything in one list, so that canonical order and modes are found for all together.
         let kinetic = model.graph.add(model.raw_kinetic_energy, model.radial_energy);
-        let mut roots: Vec<Id> = vec![model.raw_potential_energy, kinetic, model.dissipation];
+        let mut roots: Vec<Id> = vec![model.raw_potential_energy, kinetic, model.raw_kinetic_energy, model.dissipation];
         for body in &model.bodies {
             roots.push(body.mass);
             roots.extend(&body.position);
@@ -289,7 +294,7 @@ impl Dynamics {
 
         let mut next = roots.into_iter();
         let mut take = || next.next().unwrap_or(Id::ZERO);
-        let (mut potential, raw_kinetic, dissipation) = (take(), take(), take());
+        let (mut potential, raw_kinetic, written_kinetic, dissipation) = (take(), take(), take(), take());
         let bodies: Vec<Inertial> = model
             .bodies
             .iter()
@@ -340,6 +345,8 @@ impl Dynamics {
             gravity,
             potential,
             raw_kinetic,
+            written_kinetic,
+            rotations: model.rotations.iter().map(|rotation| rotation.first).collect(),
             dissipation,
             resistances,
             pushes,

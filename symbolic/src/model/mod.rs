@@ -29,10 +29,10 @@ pub use resolved::{
     HIDDEN, Input, Load, Model, Need, Output, Parameter, Part, Phase, Push, Reaction, RotationCoordinate, Sample,
     Scene, Shape, SharedEnd, Solid, StateOfFirstOrder, Tried, Vector, Work,
 };
-pub use rotation::{Orientation, Rotation, Stage, product};
+pub use rotation::{Orientation, Quaternion, Rotation, Stage, product};
 pub use section::inertia::{Impossible, impossible_moments, principal_moments};
 pub use section::scenes::looks_like_degrees;
 pub(crate) use section::springs::LENGTH;
 pub(crate) use text::text_in;
 pub use text::{number_text, rate_name, symbol_text, text};
-pub use ways::Ways;
+pub use ways::{Way, Ways};

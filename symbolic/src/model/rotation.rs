@@ -29,12 +29,20 @@ pub struct Stage {
     pub columns: [[Id; 3]; 3],
     /// The angular velocity of the new axes against the old ones, along the new ones.
     pub rate: [Id; 3],
+    /// The rotation that it is, by its place; none of other turns.
+    pub rotation: Option<usize>,
 }
 
 impl Stage {
     /// Components along the new axes of a vector along the old ones.
     pub fn turned_back(&self, graph: &mut Graph, vector: &[Id; 3]) -> [Id; 3] {
         self.columns.map(|column| vectors::dot(graph, &column, vector))
+    }
+
+    /// Components along the old axes of a vector along the new ones.
+    pub fn turned_out(&self, graph: &mut Graph, vector: &[Id; 3]) -> [Id; 3] {
+        let row = |i: usize| self.columns.map(|column| column[i]);
+        [0, 1, 2].map(|i| vectors::dot(graph, &row(i), vector))
     }
 
     /// All its expressions, in an order that [`Stage::map`] keeps.
@@ -46,7 +54,7 @@ impl Stage {
     #[must_use]
     pub fn map(&self, f: &mut impl FnMut(Id) -> Id) -> Stage {
         let columns = self.columns.map(|column| column.map(&mut *f));
-        Stage { columns, rate: self.rate.map(f) }
+        Stage { columns, rate: self.rate.map(f), ..*self }
     }
 }
 
@@ -101,7 +109,7 @@ impl Orientation {
         (new.own_velocity[i], new.own_velocity[j]) = mixed(self.own_velocity[i], self.own_velocity[j]);
         new.own_velocity[k] = graph.add(self.own_velocity[k], rate);
         new.spun(graph, rate, &self.axes[k]);
-        let mut stage = Stage { columns: UNTURNED, rate: [Id::ZERO; 3] };
+        let mut stage = Stage { columns: UNTURNED, rate: [Id::ZERO; 3], rotation: None };
         (stage.columns[i][i], stage.columns[i][j]) = (cosine, sine);
         (stage.columns[j][i], stage.columns[j][j]) = (graph.neg(sine), cosine);
         stage.rate[k] = rate;
@@ -134,7 +142,7 @@ impl Orientation {
         });
         let mut new = Orientation { axes, own_velocity, ..self.clone() };
         new.spun(graph, rate, &axis);
-        new.stages.push(Stage { columns, rate: n.map(|component| graph.mul(rate, component)) });
+        new.stages.push(Stage { columns, rate: n.map(|component| graph.mul(rate, component)), rotation: None });
         new
     }
 
@@ -349,6 +357,7 @@ impl Orientation {
     pub fn rotated(&self, graph: &mut Graph, index: usize, pair: [Quaternion; 2]) -> Orientation {
         let mut new = self.turned_by(graph, pair);
         new.rotations.push(index);
+        new.stages.iter_mut().next_back().into_iter().for_each(|stage| stage.rotation = Some(index));
         new
     }
 
@@ -384,7 +393,7 @@ impl Orientation {
         });
         let velocity = std::array::from_fn(|m| graph.add(self.velocity[m], outer[m]));
         let mut stages = self.stages.clone();
-        stages.push(Stage { columns, rate: own });
+        stages.push(Stage { columns, rate: own, rotation: None });
         Orientation {
             axes,
             own_velocity,

@@ -23,9 +23,13 @@ pub struct WrittenAlong {
     known: HashMap<[Id; 3], Vec<Part>>,
 }
 
-/// A way from the origin in pieces, each along the axes after some of the turns of one frame.
+/// A way from the origin: the sum of these, in the order in which they are written.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Ways {
+pub struct Ways(pub Vec<Way>);
+
+/// Pieces, each along the axes after some of the turns of one frame.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Way {
     /// The turns, from the ground on.
     pub stages: Vec<Stage>,
     /// After how many of them, and the piece there; in order.
@@ -82,31 +86,44 @@ impl WrittenAlong {
         Some(self.known.get(&vector).cloned().unwrap_or_else(ground))
     }
 
-    /// A place as a way; in ground axes where it is written along frames of which none is turned from all others.
+    /// A place as a way: pieces along frames of which one is turned from the other stand together.
     pub fn ways(&self, place: &[Id]) -> Ways {
-        let mut parts = self.parts(place).unwrap_or_default();
-        parts.sort_by_key(|part| part.stages.len());
-        let stages = parts.last().map_or_else(Rc::default, |part| Rc::clone(&part.stages));
-        if parts.iter().all(|part| stages.starts_with(&part.stages)) {
-            let pieces = parts.into_iter().map(|part| (part.stages.len(), part.components)).collect();
-            return Ways { stages: stages.to_vec(), pieces };
+        let mut ways: Vec<Way> = Vec::new();
+        for Part { stages, components } in self.parts(place).unwrap_or_default() {
+            let together = |way: &&mut Way| way.stages.starts_with(&stages) || stages.starts_with(&way.stages);
+            let piece = (stages.len(), components);
+            match ways.iter_mut().find(together) {
+                Some(way) => {
+                    way.pieces.push(piece);
+                    if stages.len() > way.stages.len() {
+                        way.stages = stages.to_vec();
+                    }
+                }
+                None => ways.push(Way { stages: stages.to_vec(), pieces: vec![piece] }),
+            }
         }
-        let ground = place.try_into().map(|place| (0, place));
-        Ways { stages: Vec::new(), pieces: ground.into_iter().collect() }
+        ways.iter_mut().for_each(|way| way.pieces.sort_by_key(|piece| piece.0));
+        Ways(ways)
     }
 }
 
 impl Ways {
     /// All expressions, in an order that [`Ways::map`] keeps.
     pub fn ids(&self) -> impl Iterator<Item = Id> + '_ {
-        self.stages.iter().flat_map(Stage::ids).chain(self.pieces.iter().flat_map(|(_, piece)| piece.iter().copied()))
+        self.0.iter().flat_map(|way| {
+            let pieces = way.pieces.iter().flat_map(|(_, piece)| piece.iter().copied());
+            way.stages.iter().flat_map(Stage::ids).chain(pieces)
+        })
     }
 
     /// With every expression replaced.
     #[must_use]
     pub fn map(&self, mut f: impl FnMut(Id) -> Id) -> Ways {
-        let stages = self.stages.iter().map(|stage| stage.map(&mut f)).collect();
-        let pieces = self.pieces.iter().map(|(stage, piece)| (*stage, piece.map(&mut f))).collect();
-        Ways { stages, pieces }
+        let way = |way: &Way| {
+            let stages = way.stages.iter().map(|stage| stage.map(&mut f)).collect();
+            let pieces = way.pieces.iter().map(|(stage, piece)| (*stage, piece.map(&mut f))).collect();
+            Way { stages, pieces }
+        };
+        Ways(self.0.iter().map(way).collect())
     }
 }

@@ -151,3 +151,39 @@ define:
 kinetic_energy: "sum(m*(x[i]^2 + y[i]^2)/2, i in 1..n)"
 potential_energy: "sum(m*g*h[i], i in 1..n)"
 "#;
+
+/// Bars on ball joints, one below the other, each turned against the ground.
+pub const BALL_JOINTS: &str = r#"
+name: BallJoints
+sizes: {n: 3}
+parameters: {m: 1 kg, l: 1 m, I: 0.1 kg*m^2, Ia: 0.005 kg*m^2, g: 10 m/s^2}
+coordinates: {"turn[i in 1..n]": rotation}
+frames: {"F[i in 1..n]": {rotate: "turn[i]"}}
+points:
+  "p[0]": [0, 0, 0]
+  "p[i in 1..n]": "p[i-1] - l*F[i].z"
+bodies:
+  "bar[i in 1..n]": {mass: m, inertia: [I, I, Ia], frame: "F[i]", position: "(p[i-1] + p[i])/2"}
+gravity: [0, 0, -g]
+"#;
+
+/// Bars on ball joints with drag, each turned against the one above, the first one on a carriage that slides and turns, the last one on a spring.
+pub const BALL_JOINTS_ON_A_CARRIAGE: &str = r#"
+name: BallJointsOnACarriage
+sizes: {n: 2}
+parameters: {m: 1 kg, l: 1 m, I: 0.1 kg*m^2, Ia: 0.005 kg*m^2, Ix: 0.001 kg*m^2, k: 3 N/m, c: 0.2 N*m*s, g: 10 m/s^2}
+coordinates: {x: m, psi: rad, "turn[i in 1..n]": rotation}
+frames:
+  "F[0]": {rotate: [z, psi]}
+  "F[i in 1..n]": {from: "F[i-1]", rotate: "turn[i]"}
+points:
+  "p[0]": "[x, 0, 0] + l*F[0].x"
+  "p[i in 1..n]": "p[i-1] - l*F[i].z"
+bodies:
+  carriage: {mass: m, inertia: [I, I, Ia], frame: "F[0]", position: "[x, 0, 0]"}
+  "bar[i in 1..n]":
+    {mass: m, inertia: [[I, Ix, 0], [Ix, 1.02*I, 0], [0, 0, Ia]], frame: "F[i]", position: "(p[i-1] + p[i])/2"}
+gravity: [0, 0, -g]
+springs: {tie: {stretch: "norm(p[n] - [l, 0, 0])", stiffness: k}}
+torques: {"drag[i in 1..n]": {on: "bar[i]", torque: "-c*angular_velocity(bar[i])"}}
+"#;

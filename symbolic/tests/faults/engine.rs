@@ -1,7 +1,7 @@
 // Faults inside the program: one derivation's expressions altered after the file was read.
 
 use dalembert_symbolic::expr::{Binary, Graph, Id, Node, Rational, Unary};
-use dalembert_symbolic::model::{Model, Rotation, Ways, Work};
+use dalembert_symbolic::model::{Model, Rotation, Way, Ways, Work};
 
 use super::judge::Window;
 use super::{Fault, Plant, Watch};
@@ -181,7 +181,7 @@ pub fn of_lagrange(model: &Model, changes: &[Change]) -> Vec<Fault> {
                     change.apply(&mut m.graph, &mut body.position[k..=k]);
                     // All that is derived from places has this one.
                     let place = body.position.as_slice().try_into().map(|place| (0, place));
-                    body.ways = Ways { stages: Vec::new(), pieces: place.into_iter().collect() };
+                    body.ways = Ways(vec![Way { stages: Vec::new(), pieces: place.into_iter().collect() }]);
                 }));
             }
         }

@@ -3,6 +3,7 @@
 use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
 
 use super::super::LeastConstraint;
+use super::super::angular::Turning;
 use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary, canonical_products, copied};
 
 /// Σ cⱼ xⱼ: variables with their coefficients, in order.  Variables below n are coordinates, the others kept ones.
@@ -23,6 +24,8 @@ pub(crate) struct Forms {
     pub linear: Vec<(Form, Id)>,
     /// h.
     pub forces: Vec<Id>,
+    /// As in [`LeastConstraint::turning`].
+    pub turning: Vec<Turning>,
 }
 
 impl Forms {
@@ -65,6 +68,7 @@ impl Forms {
             products: products.iter().map(|(w, u, v)| doubled(graph, (*w, *u, *v), (of(u), of(v)))).collect(),
             linear: least.linear.iter().map(|(y, g)| (of(y), *g)).collect(),
             forces: least.forces.clone(),
+            turning: least.turning.clone(),
             kept,
             bodies,
         })
@@ -75,7 +79,7 @@ impl Forms {
     pub fn moved(mut self, from: &Graph, in_order: bool) -> (Graph, Forms) {
         let mut graph = Graph::new();
         let mut places: Vec<&mut Id> = Vec::new();
-        let Forms { kept, products, linear, forces, .. } = &mut self;
+        let Forms { kept, products, linear, forces, turning, .. } = &mut self;
         places.extend(kept.iter_mut().flatten().map(|term| &mut term.1));
         for (w, u, v) in products {
             places.push(w);
@@ -83,6 +87,7 @@ impl Forms {
         }
         places.extend(linear.iter_mut().flat_map(|(form, g)| form.iter_mut().map(|term| &mut term.1).chain([g])));
         places.extend(forces);
+        places.extend(turning.iter_mut().flat_map(Turning::expressions));
         let old: Vec<Id> = places.iter().map(|id| **id).collect();
         let mut new = copied(from, &old, &mut graph);
         if in_order {
@@ -95,6 +100,16 @@ impl Forms {
     /// How many variables there are.
     pub fn variables(&self) -> usize {
         self.n + self.kept.len()
+    }
+
+    /// Whether all unknowns are the coordinates' own speeds.
+    pub fn are_of_coordinates(&self) -> bool {
+        self.kept.is_empty() && self.turning.is_empty()
+    }
+
+    /// Whether a variable is the length of a rotation, which nothing accelerates.
+    pub fn is_length(&self, variable: usize) -> bool {
+        self.turning.iter().any(|turning| turning.first == variable)
     }
 
     /// Whether nothing that M is made of changes along a run.

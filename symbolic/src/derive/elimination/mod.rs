@@ -45,7 +45,7 @@ impl Eliminated {
         let mut trial = graph.clone();
         let least = LeastConstraint::of(&mut trial, dynamics);
         let forms = Forms::of(&mut trial, dynamics.n, &least)?;
-        if forms.kept.is_empty() || forms.are_constant(&trial) {
+        if forms.are_of_coordinates() || forms.are_constant(&trial) {
             return None;
         }
         let least = forms.moved(&trial, false);

@@ -78,7 +78,7 @@ pub(crate) fn solve(graph: &mut Graph, forms: &Forms, order: &[usize], writing: 
     let mut quadratic = Quadratic::of(graph, forms);
     let mut followed = Vec::with_capacity(order.len());
     let mut pivots = Vec::new();
-    for &v in order {
+    for &v in order.iter().filter(|v| !forms.is_length(**v)) {
         let rule = if v >= forms.n {
             let form = &forms.kept[v - forms.n];
             quadratic.put_in(v, form, writing);
@@ -110,6 +110,11 @@ pub(crate) fn solve(graph: &mut Graph, forms: &Forms, order: &[usize], writing: 
         values[v] = sum.read(graph, &mut depths);
     }
     values.truncate(forms.n);
+    for turning in &forms.turning {
+        let own = &mut values[turning.first..turning.first + 4];
+        let rate = [own[1], own[2], own[3]];
+        own.copy_from_slice(&turning.acceleration(graph, rate));
+    }
     Some(Solution { values, pivots })
 }
 

@@ -21,6 +21,8 @@ pub struct Elimination {
     pub order: Option<&'static str>,
     /// Velocities that several others are made of.
     pub kept: usize,
+    /// Rotations whose angular velocities are unknowns.
+    pub rotations: usize,
     /// The largest front.
     pub front: usize,
     /// What it takes.
@@ -49,6 +51,7 @@ const SLOWER: f64 = 1.05;
 pub(super) struct Found {
     best: Candidate,
     kept: usize,
+    rotations: usize,
     n: usize,
 }
 
@@ -62,18 +65,18 @@ impl Found {
         let mut trial = graph.clone();
         let least = LeastConstraint::of(&mut trial, dynamics);
         let forms = Forms::of(&mut trial, dynamics.n, &least)?;
-        if forms.kept.is_empty() {
+        if forms.are_of_coordinates() {
             return None;
         }
         let bases = in_both_orders(&forms, &trial);
-        Some(Found { best: best(&bases)?, kept: forms.kept.len(), n: forms.n })
+        Some(Found { best: best(&bases)?, kept: forms.kept.len(), rotations: forms.turning.len(), n: forms.n })
     }
 
     /// Where M is not formed.
     pub fn without_masses(eliminated: &Eliminated) -> Option<Found> {
         let (graph, forms) = &eliminated.least;
         let bases = in_both_orders(forms, graph);
-        Some(Found { best: best_of_long(&bases)?, kept: forms.kept.len(), n: forms.n })
+        Some(Found { best: best_of_long(&bases)?, kept: forms.kept.len(), rotations: forms.turning.len(), n: forms.n })
     }
 
     /// Takes the place of accelerations by M and LDLᵀ where it has fewer operations and takes hardly more time.
@@ -91,16 +94,17 @@ impl Found {
             Elimination { by_masses: Some(by_masses), ..taken }
         } else {
             let Candidate { front, cost, .. } = self.best;
-            Elimination { order: None, kept: self.kept, front, cost, by_masses: Some(by_masses) }
+            let Found { kept, rotations, .. } = self;
+            Elimination { order: None, kept, rotations, front, cost, by_masses: Some(by_masses) }
         }
     }
 
     /// The accelerations, in this graph.
     pub fn take(self, graph: &mut Graph) -> (Accelerations, Elimination) {
-        let Candidate { rule, front, graph: own, solution, cost } = self.best;
+        let Found { best: Candidate { rule, front, graph: own, solution, cost }, kept, rotations, .. } = self;
         let roots = copied(&own, &solution.roots(), graph);
         let Solution { values, pivots } = solution.with(&roots);
-        let taken = Elimination { order: Some(rule.words()), kept: self.kept, front, cost, by_masses: None };
+        let taken = Elimination { order: Some(rule.words()), kept, rotations, front, cost, by_masses: None };
         (Accelerations::Unrolled { values, pivots }, taken)
     }
 }
@@ -231,11 +235,16 @@ impl Rule {
 impl Elimination {
     /// What was chosen, and why.
     pub fn words(&self) -> String {
-        let Elimination { order, kept, front, cost, by_masses } = self;
+        let Elimination { order, kept, rotations, front, cost, by_masses } = self;
         let words = |cost: &Cost| format!("about {:.0} ns, {} operations", cost.time, cost.operations);
         let eliminating = words(cost);
         let by_masses = by_masses.as_ref().map_or_else(|| "are not formed".to_owned(), words);
-        let velocities = format!("{kept} shared {}", if *kept == 1 { "velocity" } else { "velocities" });
+        let shared = format!("{kept} shared {}", if *kept == 1 { "velocity" } else { "velocities" });
+        let velocities = match (kept, rotations) {
+            (_, 0) => shared,
+            (0, _) => "angular velocities".to_owned(),
+            _ => format!("angular velocities and {shared}"),
+        };
         match order {
             Some(order) => format!(
                 "q'': elimination over {velocities}, {order}, largest front {front} ({eliminating}; M and LDLᵀ {by_masses})"

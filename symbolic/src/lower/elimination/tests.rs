@@ -139,6 +139,16 @@ fn accelerations_are_those_of_masses_and_forces() {
     Case::of(models::SPACE, 5).agrees();
 }
 
+/// Angular velocities as unknowns give what M and h of the quaternions' rates give.
+#[test]
+fn accelerations_of_rotations_are_those_of_masses_and_forces() {
+    for (text, n) in [(models::BALL_JOINTS, 1), (models::BALL_JOINTS, 3), (models::BALL_JOINTS_ON_A_CARRIAGE, 2)] {
+        let case = Case::of(text, n);
+        assert_eq!(case.program.elimination.as_ref().map(|found| found.rotations), Some(n as usize));
+        case.agrees();
+    }
+}
+
 #[test]
 fn accelerations_of_long_chains_have_their_digits() {
     for text in [models::ABSOLUTE, models::RELATIVE] {
