@@ -1,5 +1,7 @@
 //! Starts that meet the constraints.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 
 use crate::cause::Cause;
@@ -17,7 +19,7 @@ pub(crate) struct Start<'a> {
     /// Which of [q; q'] keep their values.
     pub held: &'a [bool],
     /// Which of the mechanism's other equations of the start are to be met.
-    pub start_conditions: std::ops::Range<usize>,
+    pub start_conditions: Range<usize>,
 }
 
 /// A constraint may be missed by this part of its terms, or of what the coordinates' sizes make of it, by values that are
@@ -53,6 +55,7 @@ pub(crate) fn consistent<S: System + ?Sized>(system: &S, start: &Start<'_>) -> R
     if !start.start_conditions.is_empty() {
         closing.start_conditions(&mut y, start.start_conditions.clone())?;
     }
+    closing.keep_lengths(&mut y);
     debug_assert_eq!(y.len(), 2 * n, "a state");
     Ok(y)
 }
@@ -315,6 +318,27 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
         match rank.checked_sub(1).and_then(|k| values.get(k)) {
             Some(sigma) if *sigma < SINGULAR => Err(Cause::SingularConfiguration { sigma: *sigma }.into()),
             _ => Ok(()),
+        }
+    }
+
+    /// Gives rotations the lengths of the guess, and lets them keep these: what was searched for depends on neither, and a length that has a rate
+    /// grows for ever.
+    fn keep_lengths(&self, y: &mut [f64]) {
+        let free = |places: &Range<usize>| !self.held[places.clone()].contains(&true);
+        for first in self.system.description().rotations.iter().map(|first| *first as usize) {
+            let places = first..first + 4;
+            let speeds = self.n + first..self.n + first + 4;
+            let of = |y: &[f64], places: &Range<usize>| DVector::from_column_slice(&y[places.clone()]);
+            let (q, guess) = (of(y, &places), of(self.guess, &places));
+            let ratio = guess.norm() / q.norm();
+            if !free(&speeds) || !ratio.is_normal() {
+                continue;
+            }
+            let v = of(y, &speeds);
+            let v = &v - &q * (q.dot(&v) / q.norm_squared());
+            let ratio = if free(&places) { ratio } else { 1.0 };
+            y[places].copy_from_slice((q * ratio).as_slice());
+            y[speeds].copy_from_slice((v * ratio).as_slice());
         }
     }
 

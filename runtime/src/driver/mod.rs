@@ -117,6 +117,8 @@ pub(crate) struct Integration {
     /// How long steps have ended where the constraints depend on each other as they do nowhere else.
     dwell: SingularDwell,
     impacts: Impacts,
+    /// The instant of the last impact, with the state before it: its speeds tell how well the instant is known.
+    struck: Option<(f64, Vec<f64>)>,
     cascade: EventCascade,
     defect: Defect,
     /// Until when the motion goes on at most, s.
@@ -172,6 +174,7 @@ impl Integration {
             from: t,
             dwell: SingularDwell::default(),
             impacts: Impacts::default(),
+            struck: None,
             cascade: EventCascade::default(),
             rejected: Vec::with_capacity(y.len()),
             rejected_step: 0.0,

@@ -358,8 +358,9 @@ impl Integration {
             for &row in entering {
                 let known = &system.description().rows[row];
                 let within = || {
-                    let at = At::packed(now, self.stepper.start().y, system.len());
-                    closed_within(system, at, projection.scales())[row]
+                    let struck = self.struck.as_ref().filter(|(t, _)| *t == now);
+                    let y = struck.map_or(self.stepper.start().y, |(_, y)| y);
+                    closed_within(system, At::packed(now, y, system.len()), projection.scales())[row]
                 };
                 let missed = projection.misses(row).filter(|_| known.holonomic);
                 if let Some(residual) = missed.filter(|c| c.is_nan() || c.abs() > within()) {
@@ -457,6 +458,9 @@ impl Integration {
         let seen = self.resumed().into_iter().flat_map(|(_, seen)| seen);
         let before = seen.flat_map(|values| values.into_iter().skip(n)).filter(|v| v.is_finite());
         let before = before.fold(0.0_f64, |most, v| most.max(v.abs()));
+        if self.struck.as_ref().is_none_or(|(t, _)| *t != self.clock.now()) {
+            self.struck = Some((self.clock.now(), self.stepper.start().y.to_vec()));
+        }
         let speeds = &mut self.stepper.state_mut()[n..];
         let size = speeds.iter().zip(&jump).fold(before, |most, (v, jump)| most.max(v.abs()).max(jump.abs()));
         speeds.iter_mut().zip(&jump).for_each(|(v, jump)| *v += jump);

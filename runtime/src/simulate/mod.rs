@@ -43,9 +43,9 @@ use crate::error::Error;
 use crate::events::{Ticks, begin_at, begin_at_state};
 use crate::integrate::Tolerance;
 use crate::mechanism::{Action, Enforcement, Method, RowHistory, Stabilisation, System};
-use crate::run::{Failure, Plan, Recorder, Run};
+use crate::run::{Failure, Names, Plan, Recorder, Run};
 use crate::stopwatch::Stopwatch;
-use crate::trust::{Warning, check_step, explain_lock, positive_inertia};
+use crate::trust::{Warning, check_step, explain_lock, not_unique, positive_inertia};
 
 /// Runs a mechanism.
 ///
@@ -305,6 +305,12 @@ fn enough_steps(system: &dyn System, settings: &Settings, step: f64) -> Result<(
 
 fn finish(system: &dyn System, integration: &Integration, mut recorder: Recorder, clock: Stopwatch) -> Run {
     integration.warnings(system).into_iter().for_each(|warning| recorder.warn(warning));
+    let outputs = not_unique(system, integration.time(), integration.state().y);
+    if !outputs.is_empty() {
+        let names = Names::of(system.description()).outputs;
+        let outputs = outputs.into_iter().map(|place| names[place].clone()).collect();
+        recorder.warn(Warning::ReactionsNotUnique { outputs });
+    }
     recorder.constrained(integration.residuals());
     recorder.swept(integration.swept());
     recorder.ticked(integration.next_ticks(), integration.resumed());

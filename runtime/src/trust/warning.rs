@@ -62,6 +62,11 @@ pub enum Warning {
         /// The largest departure, in parts of the largest values.
         by: f64,
     },
+    /// Outputs are made of reactions of which the motion determines sums only, since constraints depend on each other at the end of the run.
+    ReactionsNotUnique {
+        /// The outputs, component by component.
+        outputs: Vec<String>,
+    },
     /// The motion passed a place where its constraints depend on each other; it kept the branch that continues its speeds.
     SingularPassed {
         /// When, s.
@@ -295,6 +300,12 @@ impl fmt::Display for Warning {
                 "the motion leaves its symmetry {symmetry} from t = {} s on, by {by:.1e} at most, though its equations keep it: \
                  rounding grows, the symmetric motion is unstable",
                 short(*t)
+            ),
+            Warning::ReactionsNotUnique { outputs } => write!(
+                f,
+                "the reactions in `{}` are not unique, since constraints depend on each other: of all that give this motion the least are told; \
+                 `check` names the constraints",
+                outputs.join("`, `")
             ),
             Warning::SingularPassed { t } => write!(
                 f,

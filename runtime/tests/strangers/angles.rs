@@ -1,6 +1,6 @@
 //! Angles and values on the command line.
 
-use super::program;
+use super::{case, program};
 
 /// What a run of the pendulum says with these options.
 fn run(arguments: &[&str]) -> String {
@@ -28,4 +28,21 @@ fn a_parameter_may_be_set_by_an_expression_of_others() {
     assert_ne!(until("m2=2*m1"), until("m2=2"));
     let error = program(&["simulate", &path, "--set", "m2=2*k"]).unwrap_err();
     assert!(error.contains("E242"), "{error}");
+}
+
+/// What a start is to meet beside says nothing of the length of a rotation, which keeps its value: with a rate it grew until the run ended.
+#[test]
+fn a_searched_start_lets_lengths_of_rotations_be() {
+    let text = |start: &str| {
+        let body = "name: Thrown\nparameters: {m: 1 kg, l: 0.5 m}\ncoordinates: {turn: rotation}\nframes: {F: {rotate: turn}}\nbodies: {b: {mass: m, inertia: [0.1, 0.13, 0.15], frame: F, position: l/2*F.x}}\noutputs: {w: \"components(angular_velocity(b), F)\"}\n";
+        format!("{body}scene: {{start: {{turn: [[y, 0.3]]{start}, until: 0.1}}\n")
+    };
+    let (searched, given) = (case(&text("}, also: {w: [1, 2, 3]}")).run(), case(&text(", turn': [1, 2, 3]}")).run());
+    for run in [&searched, &given] {
+        let start = run.first();
+        let growth: f64 = start.q.iter().zip(&start.v).map(|(q, v)| q * v).sum();
+        assert!(growth.abs() < 1e-12, "{growth:e}");
+    }
+    let apart = searched.last().v.iter().zip(&given.last().v).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(apart < 1e-8, "{apart:e}");
 }

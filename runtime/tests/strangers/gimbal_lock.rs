@@ -180,3 +180,25 @@ fn check_says_that_a_scene_comes_there() {
     let said = program(&["check", path.to_str().expect("a path")]).expect("a good model");
     assert!(said.contains("comes to gimbal lock about t = 0.69: `psi` and `phi` turn `B` about one axis"), "{said}");
 }
+
+/// A body that is turned about one line by the first and by the third of three angles is turned by both together as far as it is.
+#[test]
+fn angles_at_their_lock_turn_the_body() {
+    let outputs = "outputs: {zxz: \"angles(b, zxz)\", zyz: \"angles(b, zyz)\", zyx: \"angles(b, zyx)\"}\n";
+    let of = |start: &str| {
+        let body = "name: Turned\nparameters: {m: 1 kg, I: 1 kg*m^2}\ncoordinates: {turn: rotation}\nframes: {F: {rotate: turn}}\nbodies: {b: {mass: m, inertia: [I, I, I], frame: F, position: [0, 0, 0]}}\n";
+        let run = case(&format!("{body}{outputs}scene: {{start: {{turn: {start}}}, until: 0.1}}\n")).run();
+        let angle = |name: &str| run.column(name).expect("an output")[0];
+        ["zxz", "zyz", "zyx"].map(|name| ["x", "y", "z"].map(|axis| angle(&format!("{name}.{axis}"))))
+    };
+    let same = |found: f64, wanted: f64| (0.5 * (found - wanted)).sin().abs() < 1e-14;
+    for turned in [2.0, 0.5, -3.0, 0.0] {
+        let [zxz, zyz, zyx] = of(&format!("[[z, {turned}]]"));
+        for [a, b, c] in [zxz, zyz] {
+            assert!(same(a + c, turned) && b.abs() < 1e-15, "{turned}: {a}, {b}, {c}");
+        }
+        assert!(same(zyx[0], turned) && zyx[1] == 0.0 && zyx[2].abs() < 1e-15, "{turned}: {zyx:?}");
+    }
+    let [_, _, [a, b, c]] = of("[[z, 0.4], [y, pi/2], [x, 0.3]]");
+    assert!(same(c - a, -0.1) && (b - FRAC_PI_2).abs() < 1e-7, "{a}, {b}, {c}");
+}

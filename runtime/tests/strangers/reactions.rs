@@ -1,6 +1,8 @@
 //! Named reactions have all digits at every scale.
 
-use super::{program, text_of};
+use dalembert::Warning;
+
+use super::{case, program, text_of};
 
 /// The outputs at the end of a run.
 fn outputs(arguments: &[&str]) -> serde_json::Value {
@@ -46,4 +48,29 @@ fn a_fixed_end_holds_force_and_moment_whatever_the_lengths() {
         assert!(difference(&outputs, ["holding", "force"]) < 1e-13, "{scale}: {outputs}");
         assert!(difference(&outputs, ["clamp", "moment"]) < 1e-13, "{scale}: {outputs}");
     }
+}
+
+/// A door on two hinges: how they share its weight and its swing is not determined, what they hold together is.
+#[test]
+fn reactions_that_only_a_sum_determines_are_warned_of() {
+    let door = |second: &str, outputs: &str| {
+        format!(
+            "name: Door\nparameters: {{m: 20 kg, w: 0.8 m, h: 1 m, g: 9.81 m/s^2}}\ncoordinates: {{x: m, y: m, z: m, A: rotation}}
+frames: {{F: {{rotate: A}}}}\npoints: {{C: \"[x, y, z]\"}}\nbodies: {{door: {{mass: m, inertia: [1.7, 1.1, 2.8], frame: F, position: C}}}}
+gravity: [0, 0, -g]\njoints: {{up: {{hinge: [door, ground], at: [C - w/2*F.x + h*F.z, \"[0, 0, h]\"], axis: [F.z, ground.z]}}{second}}}
+outputs: {{U: reaction(up){outputs}}}\nscene: {{start: {{A': [0, 0, 2]}}, guess: {{x: 0.4}}, until: 0.5}}\n"
+        )
+    };
+    let told = |text: &str| {
+        let run = case(text).run();
+        let told = run.warnings.iter().find_map(|warning| match warning {
+            Warning::ReactionsNotUnique { outputs } => Some(outputs.clone()),
+            _ => None,
+        });
+        told.unwrap_or_default()
+    };
+    let second = ", lo: {hinge: [door, ground], at: [C - w/2*F.x - h*F.z, \"[0, 0, -h]\"], axis: [F.z, ground.z]}";
+    let both = told(&door(second, ", S: reaction(up) + reaction(lo)"));
+    assert_eq!(both, ["U.x", "U.y", "U.z"]);
+    assert_eq!(told(&door("", "")), [""; 0]);
 }

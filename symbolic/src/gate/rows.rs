@@ -71,10 +71,16 @@ impl Constraints {
     pub fn new(model: &mut Model, rows: &Rows, equations: &Equations) -> Constraints {
         let (graph, bias) = (&mut model.graph, &equations.bias);
         let diagonal = |i: usize| equations.mass.iter().find(|e| (e.0, e.1) == (i, i)).map_or(Id::ZERO, |e| e.2);
-        let diagonal: Vec<Id> = match rows.is_empty() {
+        let mut diagonal: Vec<Id> = match rows.is_empty() {
             true => Vec::new(),
             false => (0..model.coordinates.len()).map(diagonal).collect(),
         };
+        // The numbers of a rotation move alike, so that least changes leave its length alone.
+        for rotation in model.rotations.iter().filter(|_| !rows.is_empty()) {
+            let own = &mut diagonal[rotation.first..rotation.first + 4];
+            let sum = own.iter().fold(Id::ZERO, |sum, x| graph.add(sum, *x));
+            own.fill(sum);
+        }
         let of_row = |s: Symbol| if let Symbol::Multiplier(k) = s { Some(k as usize) } else { None };
         let friction = jacobian(graph, bias, of_row).into_iter().enumerate();
         let friction: Vec<(usize, usize, Id)> =

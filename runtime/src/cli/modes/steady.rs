@@ -102,6 +102,17 @@ fn going(loaded: &Loaded, guess: &Guess, start: &[f64]) -> Result<Vec<usize>, Pr
     if let Some(turning) = turning(loaded, guess, start, &going)? {
         return Ok(turning);
     }
+    let still = |first: usize| start[first..first + 4].iter().all(|rate| *rate == 0.0);
+    let firsts = loaded.system.description().rotations.iter().map(|first| *first as usize);
+    if let Some(turns) = firsts.into_iter().find(|first| !still(*first) && !going.is_empty()) {
+        let name = loaded.system.description().coordinate_name(turns);
+        let name = name.trim_end_matches(".w");
+        return Err(Problem::Usage(format!(
+            "error: --steady: the rotation `{name}` turns at the start, and its four numbers have no constant rates; describe the turn that \
+             goes on by an angle on which nothing depends, before the others: `rotate: [[z, spin], [x, a], [y, b]]` for a turn about z, with \
+             `spin'` at the start"
+        )));
+    }
     match going.is_empty() {
         false => Ok(going),
         true => Err(Problem::Usage(format!(

@@ -244,7 +244,7 @@ impl Collision {
         }
     }
 
-    /// The impulses of a stage: all modes of the sides that take part are tried.
+    /// The impulses of a stage: all modes of the sides that take part are tried; of several the one in which nothing more is added than is given.
     fn solve(&self, system: &dyn System, stage: Stage<'_>) -> Result<DVector<f64>, Box<Cause>> {
         let options = |(place, side): (usize, &Side)| -> &[ContactMode] {
             use ContactMode::{Closed, Open, SlipsBackwards, SlipsForwards, Sticks};
@@ -274,7 +274,11 @@ impl Collision {
         let found: Vec<&(Vec<ContactMode>, DVector<f64>)> = found.iter().filter(stays).collect();
         match found.as_slice() {
             [(_, first), rest @ ..] if rest.iter().all(|(_, other)| alike(first, other)) => Ok(first.clone()),
-            _ => {
+            several => {
+                let idle = |(modes, _): &&&(Vec<ContactMode>, DVector<f64>)| !modes.iter().any(|mode| mode.touches());
+                if let Some((_, given)) = several.iter().find(idle) {
+                    return Ok(given.clone());
+                }
                 let mut all = system.contacts().modes(system.phase());
                 let mut named = |(modes, _): &&(Vec<ContactMode>, DVector<f64>)| {
                     self.sides.iter().zip(modes).for_each(|(side, mode)| all[side.contact] = *mode);

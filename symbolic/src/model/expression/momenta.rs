@@ -5,7 +5,7 @@ use super::lower::Lower;
 use super::names::Solid;
 use super::value::Value;
 use crate::diagnose::catalogue::names;
-use crate::expr::{Binary, Id, vectors};
+use crate::expr::{Binary, Id, Unary, vectors};
 use crate::language::{Ast, AstKind};
 
 impl Lower<'_> {
@@ -47,19 +47,26 @@ impl Lower<'_> {
         let cyclic = (i + 1) % 3 == j;
         let mut signed = |x: Id, minus: bool| if minus { graph.neg(x) } else { x };
         let element = |m: usize, n: usize| columns[n][m];
-        let ([first, third], middle) = if i == k {
+        let (first, middle) = if i == k {
             let first = [element(j, i), signed(element(last, i), cyclic)];
-            let third = [element(i, j), signed(element(i, last), !cyclic)];
-            ([first, third], [[element(i, j), element(i, last)], [element(i, i); 2]])
+            (first, [[element(i, j), element(i, last)], [element(i, i); 2]])
         } else {
             let first = [signed(element(j, k), cyclic), element(k, k)];
-            let third = [signed(element(i, j), cyclic), element(i, i)];
-            ([first, third], [[element(i, i), element(i, j)], [signed(element(i, k), !cyclic); 2]])
+            (first, [[element(i, i), element(i, j)], [signed(element(i, k), !cyclic); 2]])
         };
         let across = vectors::norm(graph, &middle[0]);
-        let mut angle = |[y, x]: [Id; 2]| graph.binary(Binary::Atan2, y, x);
         let middle = if i == k { [across, middle[1][0]] } else { [middle[1][0], across] };
-        Value::Vector([first, middle, third].map(&mut angle).to_vec())
+        let [first, middle] = [first, middle].map(|[y, x]| graph.binary(Binary::Atan2, y, x));
+        // Row j of R_i(−a) R is that of R_k(c): where the first and the third turn are about one line, and the first angle is any, the third
+        // goes with it (Shoemake, Graphics Gems IV, 1994, p. 222).
+        let (sine, cosine) = (graph.unary(Unary::Sin, first), graph.unary(Unary::Cos, first));
+        let mut turned_back = |n: usize| {
+            let (kept, swept) = (graph.mul(cosine, element(j, n)), graph.mul(sine, element(last, n)));
+            if cyclic { graph.add(kept, swept) } else { graph.sub(kept, swept) }
+        };
+        let (x, y) = (turned_back(j), turned_back(3 - j - k));
+        let y = if (k + 1) % 3 == j { graph.neg(y) } else { y };
+        Value::Vector(vec![first, middle, graph.binary(Binary::Atan2, y, x)])
     }
 
     fn not_a_sequence(&mut self, sequence: &Ast) -> Value {
