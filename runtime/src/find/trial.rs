@@ -93,6 +93,17 @@ impl Source {
         Ok(Trial { varied })
     }
 
+    /// Whether each of what is sought is an angle.
+    pub fn angles(&self) -> Vec<bool> {
+        let description = self.system.description();
+        let unit = |sought: &Sought| match sought {
+            Sought::Of(Unknown::Parameter(k)) => description.parameters.get(*k).map(|known| &known.unit),
+            Sought::Of(Unknown::Start(k)) => description.coordinates.get(*k).map(|known| &known.unit),
+            Sought::Until => None,
+        };
+        self.sought.iter().map(|sought| unit(sought).is_some_and(|unit| *unit == "rad")).collect()
+    }
+
     /// Names of [q; q'] and of the outputs.
     pub fn names(&self) -> Vec<String> {
         Names::of(self.system.description()).columns()
