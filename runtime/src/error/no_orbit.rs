@@ -78,6 +78,18 @@ pub enum NoOrbit {
         /// It, s.
         period: f64,
     },
+    /// The event that closes the motion happens when what depends on time is not what it was at the start.
+    NotAPeriodLater {
+        /// It.
+        event: String,
+        /// How long after the start, s.
+        later: f64,
+    },
+    /// An event that changes the motion has no image among those that do, so much later.
+    NoImageOfEvent {
+        /// It.
+        event: String,
+    },
     /// A family turns so sharply that no step is short enough.
     TurnsSharply,
     /// No family of such motions can be followed by this.
@@ -156,6 +168,16 @@ impl fmt::Display for NoOrbit {
             NoOrbit::NotThePeriod { period } => write!(
                 f,
                 "what depends on time does not repeat itself after {period} s: give a multiple of its period, or none, which finds it"
+            ),
+            NoOrbit::NotAPeriodLater { event, later } => write!(
+                f,
+                "`{event}`, which is to close the motion, happens {later} s after the start, and what depends on time does not repeat itself \
+                 after that: let the motion close after a period"
+            ),
+            NoOrbit::NoImageOfEvent { event } => write!(
+                f,
+                "what `{event}` watches is watched by no event in the image of a state, that part of the period later: let the motion close \
+                 after the whole period"
             ),
             NoOrbit::TurnsSharply => f.write_str("the family turns too sharply to be followed"),
             NoOrbit::NoFamily { name } => write!(f, "the motion belongs to no family that can be followed by `{name}`"),

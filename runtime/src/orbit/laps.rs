@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::closing::{By, Closing};
-use super::drive::Drive;
+use super::drive::{self, Drive};
 use crate::error::{Error, NoOrbit};
 use crate::find::Linearised;
 use crate::mechanism::System;
@@ -354,6 +354,17 @@ impl Laps {
     /// # Errors
     /// As [`Laps::solve`].
     pub fn solve_to(&mut self, guess: Point, free: Option<usize>, least: f64) -> Result<Solution, Error> {
+        let solution = self.newton(guess, free, least)?;
+        if self.time == Time::Event && self.drive != Drive::None {
+            let mut pieces = solution.trial.pieces.iter();
+            pieces.try_for_each(|piece| {
+                drive::repeats(&*self.system, self.closing.by, &piece.run, piece.end.t - piece.start.t)
+            })?;
+        }
+        Ok(solution)
+    }
+
+    fn newton(&mut self, guess: Point, free: Option<usize>, least: f64) -> Result<Solution, Error> {
         let tolerance = self.settings.tolerance;
         let mut point = guess;
         let mut trial = self.try_at(&point, tolerance)?;
