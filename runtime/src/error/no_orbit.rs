@@ -90,6 +90,11 @@ pub enum NoOrbit {
         /// It.
         event: String,
     },
+    /// A piece of a trial takes far more steps than pieces of the motion that it began with.
+    LeadsAway {
+        /// After so many steps it was given up.
+        steps: u64,
+    },
     /// A family turns so sharply that no step is short enough.
     TurnsSharply,
     /// No family of such motions can be followed by this.
@@ -178,6 +183,11 @@ impl fmt::Display for NoOrbit {
                 f,
                 "what `{event}` watches is watched by no event in the image of a state, that part of the period later: let the motion close \
                  after the whole period"
+            ),
+            NoOrbit::LeadsAway { steps } => write!(
+                f,
+                "a trial leads somewhere else, or chatters: it takes more than {steps} steps, which are many times those of the motion that it \
+                 began with; begin nearer to a motion that closes"
             ),
             NoOrbit::TurnsSharply => f.write_str("the family turns too sharply to be followed"),
             NoOrbit::NoFamily { name } => write!(f, "the motion belongs to no family that can be followed by `{name}`"),

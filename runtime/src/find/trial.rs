@@ -1,6 +1,6 @@
 //! A run at some values of what is unknown, with its slopes.
 
-use crate::error::Error;
+use crate::error::{Error, NotFound};
 use crate::mechanism::System;
 use crate::run::Names;
 use crate::simulate::{Origin, Settings};
@@ -83,10 +83,13 @@ impl Source {
             .iter()
             .filter_map(|sought| if let Sought::Of(unknown) = sought { Some(*unknown) } else { None })
             .collect();
-        if self.steps > 0 {
-            settings.max_steps = settings.max_steps.min(MORE_STEPS * self.steps + STEPS_ANYHOW);
-        }
-        let varied = varied(&mut *self.system, &settings, &self.origin, &unknowns, self.times.as_deref())?;
+        let most = if self.steps > 0 { MORE_STEPS * self.steps + STEPS_ANYHOW } else { u64::MAX };
+        settings.max_steps = settings.max_steps.min(most);
+        let varied = varied(&mut *self.system, &settings, &self.origin, &unknowns, self.times.as_deref());
+        let varied = varied.map_err(|error| match error.takes_more_steps_than(most) {
+            true => NotFound::LeadsAway { steps: most }.into(),
+            false => error,
+        })?;
         if self.steps == 0 {
             self.steps = varied.run.work.steps;
         }

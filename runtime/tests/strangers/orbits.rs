@@ -181,3 +181,15 @@ fn what_happens_once_was_told_to_repeat_itself() {
     let found = orbit("ends", &ends, &["--period", "2*pi/w"]).expect("an orbit");
     assert!((period(&found) - std::f64::consts::TAU / 13.0).abs() < 1e-14, "{found}");
 }
+
+/// A light body, p x'' + p x' + x = cos 3t: the shorter its own period, the more steps changes of its motion take.
+#[test]
+fn a_limit_of_its_own_was_told_as_one_that_can_be_raised() {
+    let text = "name: Light\nparameters: {k: 1, p: 1}\ncoordinates: {x: 1}\nkinetic_energy: p*x'^2/2\npotential_energy: k*x^2/2\n\
+        generalized_forces: {x: -p*x' + cos(3*t)}\nscene: {start: {x: 0}, until: 10}\n";
+    let found = orbit("light", text, &["--vary", "p=0.05..0.00001", "--segments", "1"]).expect("a family");
+    assert!(!found.contains("ended") && found.contains("1e-5"), "{found}");
+    // A limit of the user's is one that can be raised.
+    let why = orbit("light", text, &["--set", "p=0.00001", "--max-steps", "50"]).unwrap_err();
+    assert!(why.contains("raise `max_steps`"), "{why}");
+}
