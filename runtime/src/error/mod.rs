@@ -177,6 +177,19 @@ impl Error {
         }
     }
 
+    /// Whether a run ended since it took more steps than this limit.
+    pub(crate) fn takes_more_steps_than(&self, most: u64) -> bool {
+        let cause = match self {
+            Error::NoSlopes(why) => why.cause(),
+            error => error.cause(),
+        };
+        let limit = match cause {
+            Some(Cause::TooManySteps { limit } | Cause::NeedsMoreSteps { limit, .. }) => Some(*limit),
+            _ => None,
+        };
+        limit == Some(most)
+    }
+
     /// What was computed before a run ended early.
     pub fn partial(&self) -> Option<&Run> {
         match self {

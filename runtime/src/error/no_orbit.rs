@@ -78,6 +78,23 @@ pub enum NoOrbit {
         /// It, s.
         period: f64,
     },
+    /// The event that closes the motion happens when what depends on time is not what it was at the start.
+    NotAPeriodLater {
+        /// It.
+        event: String,
+        /// How long after the start, s.
+        later: f64,
+    },
+    /// An event that changes the motion has no image among those that do, so much later.
+    NoImageOfEvent {
+        /// It.
+        event: String,
+    },
+    /// A piece of a trial takes far more steps than pieces of the motion that it began with.
+    LeadsAway {
+        /// After so many steps it was given up.
+        steps: u64,
+    },
     /// A family turns so sharply that no step is short enough.
     TurnsSharply,
     /// No family of such motions can be followed by this.
@@ -156,6 +173,21 @@ impl fmt::Display for NoOrbit {
             NoOrbit::NotThePeriod { period } => write!(
                 f,
                 "what depends on time does not repeat itself after {period} s: give a multiple of its period, or none, which finds it"
+            ),
+            NoOrbit::NotAPeriodLater { event, later } => write!(
+                f,
+                "`{event}`, which is to close the motion, happens {later} s after the start, and what depends on time does not repeat itself \
+                 after that: let the motion close after a period"
+            ),
+            NoOrbit::NoImageOfEvent { event } => write!(
+                f,
+                "what `{event}` watches is watched by no event in the image of a state, that part of the period later: let the motion close \
+                 after the whole period"
+            ),
+            NoOrbit::LeadsAway { steps } => write!(
+                f,
+                "a trial leads somewhere else, or chatters: it takes more than {steps} steps, which are many times those of the motion that it \
+                 began with; begin nearer to a motion that closes"
             ),
             NoOrbit::TurnsSharply => f.write_str("the family turns too sharply to be followed"),
             NoOrbit::NoFamily { name } => write!(f, "the motion belongs to no family that can be followed by `{name}`"),

@@ -68,6 +68,16 @@ pub enum NoSlopes {
     },
 }
 
+impl NoSlopes {
+    /// What ends a run with slopes early, where something does.
+    pub(crate) fn cause(&self) -> Option<&Cause> {
+        match self {
+            NoSlopes::Fault { cause, .. } => Some(cause),
+            _ => None,
+        }
+    }
+}
+
 impl fmt::Display for NoSlopes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("the motion has no slopes: ")?;

@@ -38,6 +38,11 @@ pub enum NotFound {
         /// An event that does not happen any more in a motion nearer by.
         event: Option<String>,
     },
+    /// A trial takes far more steps than the first one.
+    LeadsAway {
+        /// After so many steps it was given up.
+        steps: u64,
+    },
     /// Conditions cannot be met together.
     Contradictory {
         /// What they are missed by at the least.
@@ -89,6 +94,11 @@ impl fmt::Display for NotFound {
                     (None, None) => Ok(()),
                 }
             }
+            NotFound::LeadsAway { steps } => write!(
+                f,
+                "a trial leads somewhere else, or chatters: it takes more than {steps} steps, which are many times those of the first; begin \
+                 with another guess"
+            ),
             NotFound::Contradictory { residuals, values } => write!(
                 f,
                 "the conditions cannot be met together near by: at {} they are missed by {}",

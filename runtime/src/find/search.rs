@@ -1,5 +1,7 @@
 //! What is unknown, what is wanted, and the way to it.
 
+use std::f64::consts::TAU;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::asked::goals_stay;
@@ -149,17 +151,49 @@ impl Search {
                 |(sought, (name, _))| if let Sought::Of(of) = sought { Some((name.clone(), *of)) } else { None },
             )
             .collect();
-        let mut seeker = Seeker { source, names, conditions, runs: 0, fault: None, other_event: None };
-        let found = match (extreme, self.record) {
-            (_, Some(record)) => {
-                let places =
-                    record.columns.iter().map(|(name, _)| place(name)).collect::<Result<Vec<usize>, Error>>()?;
-                fit::fit(&mut seeker, &guess, &record, &places)
+        let record = match self.record {
+            Some(record) => {
+                let places = record.columns.iter().map(|(name, _)| place(name)).collect::<Result<Vec<_>, Error>>()?;
+                Some((record, places))
             }
-            (Some(extreme), None) => extreme::find(&mut seeker, &guess, &extreme),
-            (None, None) => seeker.meet(&guess),
+            None => None,
         };
-        found.map_err(|error| named(error, &unknowns))
+        let mut seeker = Seeker { source, names, conditions, runs: 0, fault: None, other_event: None };
+        let find = |seeker: &mut Seeker, guess: &[f64]| match (&extreme, &record) {
+            (_, Some((record, places))) => fit::fit(seeker, guess, record, places),
+            (Some(extreme), None) => extreme::find(seeker, guess, extreme),
+            (None, None) => seeker.meet(guess),
+        };
+        let found = find(&mut seeker, &guess).map_err(|error| named(error, &unknowns))?;
+        Ok(turned_back(&mut seeker, &guess, found, &find))
+    }
+}
+
+/// A search from a guess.
+type Finds<'a> = dyn Fn(&mut Seeker, &[f64]) -> Result<Found, Error> + 'a;
+
+/// What was found, with as many whole turns taken from each unknown angle as bring it nearest to its guess, if that is found too.
+fn turned_back(seeker: &mut Seeker, guess: &[f64], found: Found, find: &Finds<'_>) -> Found {
+    let angles = seeker.source.angles();
+    let nearest = |(value, (guess, is_angle)): (&Value, (&f64, bool))| {
+        let turns = ((value.value - guess) / TAU).round();
+        if is_angle { value.value - turns * TAU } else { value.value }
+    };
+    let wanted: Vec<f64> = found.values.iter().zip(guess.iter().zip(angles)).map(nearest).collect();
+    let is_at = |found: &Found, wanted: &[f64], apart: f64| {
+        found
+            .values
+            .iter()
+            .zip(wanted)
+            .all(|(value, wanted)| (value.value - wanted).abs() <= apart * wanted.abs().max(1.0))
+    };
+    if is_at(&found, &wanted, 0.0) {
+        return found;
+    }
+    let same = seeker.source.settings.tolerance.sqrt();
+    match find(seeker, &wanted) {
+        Ok(again) if is_at(&again, &wanted, same) => Found { steps: found.steps + again.steps, ..again },
+        _ => found,
     }
 }
 

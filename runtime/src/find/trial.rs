@@ -1,6 +1,6 @@
 //! A run at some values of what is unknown, with its slopes.
 
-use crate::error::Error;
+use crate::error::{Error, NotFound};
 use crate::mechanism::System;
 use crate::run::Names;
 use crate::simulate::{Origin, Settings};
@@ -83,14 +83,28 @@ impl Source {
             .iter()
             .filter_map(|sought| if let Sought::Of(unknown) = sought { Some(*unknown) } else { None })
             .collect();
-        if self.steps > 0 {
-            settings.max_steps = settings.max_steps.min(MORE_STEPS * self.steps + STEPS_ANYHOW);
-        }
-        let varied = varied(&mut *self.system, &settings, &self.origin, &unknowns, self.times.as_deref())?;
+        let most = if self.steps > 0 { MORE_STEPS * self.steps + STEPS_ANYHOW } else { u64::MAX };
+        settings.max_steps = settings.max_steps.min(most);
+        let varied = varied(&mut *self.system, &settings, &self.origin, &unknowns, self.times.as_deref());
+        let varied = varied.map_err(|error| match error.takes_more_steps_than(most) {
+            true => NotFound::LeadsAway { steps: most }.into(),
+            false => error,
+        })?;
         if self.steps == 0 {
             self.steps = varied.run.work.steps;
         }
         Ok(Trial { varied })
+    }
+
+    /// Whether each of what is sought is an angle.
+    pub fn angles(&self) -> Vec<bool> {
+        let description = self.system.description();
+        let unit = |sought: &Sought| match sought {
+            Sought::Of(Unknown::Parameter(k)) => description.parameters.get(*k).map(|known| &known.unit),
+            Sought::Of(Unknown::Start(k)) => description.coordinates.get(*k).map(|known| &known.unit),
+            Sought::Until => None,
+        };
+        self.sought.iter().map(|sought| unit(sought).is_some_and(|unit| *unit == "rad")).collect()
     }
 
     /// Names of [q; q'] and of the outputs.

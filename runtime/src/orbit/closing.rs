@@ -1,6 +1,6 @@
 //! How a motion closes: the state at its end, taken to the start.
 
-use crate::mechanism::{At, Closes, ClosesBy, Description, System};
+use crate::mechanism::{Action, At, Closes, ClosesBy, Description, Direction, Event, System};
 
 /// A map from the state at the end of a part of a motion to the state at its start, and when that part ends.
 ///
@@ -203,6 +203,33 @@ impl Closing {
         None
     }
 
+    /// An event that changes the motion and whose image, `later` seconds after, is none of the events that do: time acts in it otherwise then.
+    pub fn event_differs(&self, system: &dyn System, states: &[(f64, Vec<f64>, usize)], later: f64) -> Option<usize> {
+        let events = &system.description().events;
+        let changing: Vec<usize> = (0..events.len()).filter(|k| changes_motion(&events[*k])).collect();
+        let mut there = system.boxed_clone();
+        let mut places = Vec::new();
+        for (t, y, phase) in states.iter().step_by(states.len().div_ceil(PLACES).max(1)) {
+            let behind = self.phases.iter().position(|to| to == phase).unwrap_or(*phase);
+            let now = watched(&mut *there, *t, y, *phase);
+            places.extend(
+                now.zip(watched(&mut *there, t + later, &self.inverse(y), behind)).map(|both| (both, [*phase, behind])),
+            );
+        }
+        let largest = |k: usize| places.iter().map(|((now, _), _)| now[k][0].abs()).fold(0.0, f64::max);
+        let is_image = |k: usize, other: usize| {
+            places.iter().all(|((now, then), phases)| {
+                let [active, also] = [(k, phases[0]), (other, phases[1])].map(|(k, phase)| counts(&events[k], phase));
+                let near = |a: f64, b: f64, size: f64| (a - b).abs() <= DIFFERS * size.max(b.abs());
+                let [a, b] = [now[k], then[other]];
+                let same = events[k].direction == events[other].direction && near(a[0], b[0], largest(k));
+                let opposite = is_opposite(&events[k], &events[other]) && near(a[0], -b[0], largest(k));
+                !active || also && (same || opposite) && near(a[1], b[1], a[1].abs())
+            })
+        };
+        changing.iter().copied().find(|k| !changing.iter().any(|other| is_image(*k, *other)))
+    }
+
     /// The state whose image this is.
     fn inverse(&self, y: &[f64]) -> Vec<f64> {
         let n = self.images.len();
@@ -214,6 +241,39 @@ impl Closing {
         }
         before
     }
+}
+
+/// Whether an event does more than to be noted and to end the run.
+fn changes_motion(event: &Event) -> bool {
+    event.actions.iter().any(|action| !matches!(action, Action::Record | Action::Stop))
+}
+
+/// Whether an event counts in a phase.
+fn counts(event: &Event, phase: usize) -> bool {
+    event.phases.as_ref().is_none_or(|list| list.iter().any(|k| *k as usize == phase))
+}
+
+/// Whether one event happens where the function of another, of the opposite sign, would let it happen.
+fn is_opposite(a: &Event, b: &Event) -> bool {
+    let flipped = match b.direction {
+        Direction::Rising => Direction::Falling,
+        Direction::Falling => Direction::Rising,
+        Direction::Both => Direction::Both,
+    };
+    a.direction == flipped
+}
+
+/// The function and the condition of each event in a state; `None` where it has no accelerations.
+fn watched(system: &mut dyn System, t: f64, y: &[f64], phase: usize) -> Option<Vec<[f64; 2]>> {
+    let n = system.len();
+    system.set_phase(phase);
+    crate::events::begin_at(system, t, y);
+    let (mut a, mut lambda) = (vec![0.0; n], vec![0.0; system.description().rows.len()]);
+    let at = At::packed(t, y, n);
+    system.accelerations_and_multipliers(at, &mut a, &mut lambda).ok()?;
+    let mut pairs = vec![0.0; 2 * system.description().events.len()];
+    system.events(at.accelerated(&a).constrained(&lambda), &mut pairs);
+    Some(pairs.as_chunks().0.to_vec())
 }
 
 /// Where a mechanism does not move alike from a state and from its image.

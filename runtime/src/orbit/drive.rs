@@ -2,9 +2,12 @@
 
 use std::f64::consts::TAU;
 
+use super::closing::{By, Closing};
+use super::guess::states_of;
 use super::laps::lcm;
 use crate::error::{Error, NoOrbit};
 use crate::mechanism::System;
+use crate::run::Run;
 
 /// Frequencies have a common period where their ratio is one of numbers up to this one.
 const LARGEST: u32 = 200;
@@ -66,6 +69,19 @@ impl Drive {
         let (low, high) = (at(value - step)?, at(value + step)?);
         Ok(-period * 2.0 * (high - low) / (high + low) / (2.0 * step))
     }
+}
+
+/// Refuses a time after which what depends on time, in forces, constraints and events, is not what it was near a run.
+///
+/// # Errors
+/// [`NoOrbit::NotThePeriod`]; where an event ends laps, [`NoOrbit::NotAPeriodLater`].
+pub(super) fn repeats(system: &dyn System, by: By, run: &Run, later: f64) -> Result<(), Error> {
+    let (plain, states) = (Closing::period(system.description()), states_of(run));
+    if plain.differs(system, &states, later).is_none() && plain.event_differs(system, &states, later).is_none() {
+        return Ok(());
+    }
+    let By::After { event, .. } = by else { return Err(NoOrbit::NotThePeriod { period: later }.into()) };
+    Err(NoOrbit::NotAPeriodLater { event: system.description().events[event].name.to_string(), later }.into())
 }
 
 /// The shortest time after which all frequencies have gone through whole turns, s.

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::closing::{By, Closing};
-use super::drive::Drive;
+use super::drive::{self, Drive};
 use crate::error::{Error, NoOrbit};
 use crate::find::Linearised;
 use crate::mechanism::System;
@@ -15,7 +15,7 @@ const HALVES: usize = 10;
 const STEPS: usize = 40;
 /// Steps of this size, in parts of what they change, are rounding of runs at the tightest tolerance.
 const LEAST: f64 = 1e-14;
-/// Pieces of this many times the steps of the first ones go somewhere else.
+/// Pieces of this many times the steps of the longest one of a motion so far, and so many more, go somewhere else.
 const MORE_STEPS: u64 = 20;
 const STEPS_ANYHOW: u64 = 1000;
 
@@ -60,7 +60,7 @@ pub(super) struct Laps {
     pub scales: Vec<f64>,
     /// Pieces of motions with slopes that were made.
     pub runs: usize,
-    /// Steps of the longest piece so far; 0 before there is one.
+    /// Steps of the longest piece of the first trial and of the motions that closed so far; 0 before there is one.
     pub steps: u64,
 }
 
@@ -223,11 +223,14 @@ impl Laps {
             let (q, v) = (start[..n].to_vec(), start[n..].to_vec());
             let known = self.settings.clone();
             let mut settings = Settings { q, v, phase, from, until, ends_after: event, tolerance, ..known };
-            if self.steps > 0 {
-                settings.max_steps = settings.max_steps.min(MORE_STEPS * self.steps + STEPS_ANYHOW);
-            }
+            let most = if self.steps > 0 { MORE_STEPS * self.steps + STEPS_ANYHOW } else { u64::MAX };
+            settings.max_steps = settings.max_steps.min(most);
             self.runs += 1;
-            let piece = leg(&mut *self.system, &settings, &parameters)?;
+            let piece = leg(&mut *self.system, &settings, &parameters);
+            let piece = piece.map_err(|error| match error.takes_more_steps_than(most) {
+                true => NoOrbit::LeadsAway { steps: most }.into(),
+                false => error,
+            })?;
             if let Some(event) = event.filter(|event| !ends_with(&piece, *event)) {
                 let name = self.system.description().events[event].name.to_string();
                 return Err(NoOrbit::NoReturn { event: name, until: piece.end.t - from }.into());
@@ -240,7 +243,7 @@ impl Laps {
             return Err(NoOrbit::OtherPhase { begins: name(self.settings.phase), ends: name(phase) }.into());
         }
         if self.steps == 0 {
-            self.steps = pieces.iter().map(|piece| piece.run.work.steps).max().unwrap_or(0);
+            self.steps = most_steps(&pieces);
         }
         Ok(pieces)
     }
@@ -354,6 +357,18 @@ impl Laps {
     /// # Errors
     /// As [`Laps::solve`].
     pub fn solve_to(&mut self, guess: Point, free: Option<usize>, least: f64) -> Result<Solution, Error> {
+        let solution = self.newton(guess, free, least)?;
+        self.steps = self.steps.max(most_steps(&solution.trial.pieces));
+        if self.time == Time::Event && self.drive != Drive::None {
+            let mut pieces = solution.trial.pieces.iter();
+            pieces.try_for_each(|piece| {
+                drive::repeats(&*self.system, self.closing.by, &piece.run, piece.end.t - piece.start.t)
+            })?;
+        }
+        Ok(solution)
+    }
+
+    fn newton(&mut self, guess: Point, free: Option<usize>, least: f64) -> Result<Solution, Error> {
         let tolerance = self.settings.tolerance;
         let mut point = guess;
         let mut trial = self.try_at(&point, tolerance)?;
@@ -425,6 +440,11 @@ impl Laps {
         let order = self.closing.order();
         all / self.laps as f64 * lcm(order, self.laps) as f64
     }
+}
+
+/// The steps of the longest piece.
+fn most_steps(pieces: &[Leg]) -> u64 {
+    pieces.iter().map(|piece| piece.run.work.steps).max().unwrap_or(0)
 }
 
 /// Whether a piece ends when an event happens.

@@ -226,12 +226,9 @@ impl OrbitSearch {
             let first = run.first();
             guess::begin_at(&mut settings, [first.q, first.v].concat());
         }
-        if timed
-            && Closing::period(system.description())
-                .differs(&*system, &states_of(&run), period.unwrap_or(lap))
-                .is_some()
-        {
-            return Err(NoOrbit::NotThePeriod { period: period.unwrap_or(lap) }.into());
+        if timed {
+            let later = if time == Time::Event { lap } else { period.unwrap_or(lap) };
+            super::drive::repeats(&*system, closing.by, &run, later)?;
         }
         let known = may_close(&mut *system, &settings, (&closing, &run), if timed { lap } else { 0.0 })?;
         let acts = run.junctions.iter().any(|junction| !junction.events.is_empty());
@@ -362,8 +359,14 @@ fn may_close(
     if closing.is_plain() && closing.turns.iter().all(|turn| *turn == 0.0) {
         return Ok(known);
     }
-    match closing.differs(system, &states_of(run), later) {
-        Some(Difference { coordinate, here, there }) => Err(NoOrbit::NoSymmetry { coordinate, here, there }.into()),
+    let states = states_of(run);
+    if let Some(Difference { coordinate, here, there }) = closing.differs(system, &states, later) {
+        return Err(NoOrbit::NoSymmetry { coordinate, here, there }.into());
+    }
+    match closing.event_differs(system, &states, later).filter(|_| later > 0.0) {
+        Some(event) => {
+            Err(NoOrbit::NoImageOfEvent { event: system.description().events[event].name.to_string() }.into())
+        }
         None => Ok(known),
     }
 }

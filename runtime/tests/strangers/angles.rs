@@ -46,3 +46,36 @@ fn a_searched_start_lets_lengths_of_rotations_be() {
     let apart = searched.last().v.iter().zip(&given.last().v).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(apart < 1e-8, "{apart:e}");
 }
+
+/// Steps that overshoot find angles of many turns; the swing is the same some turns less, and is told so.
+#[test]
+fn an_unknown_angle_was_told_with_whole_turns_too_many() {
+    let text = "name: P\nparameters: {m: 1 kg, l: 1 m, g: 10 m/s^2, u: 0 rad}\ncoordinates: {th: rad}\n\
+        bodies: {b: {mass: m, position: \"l*[sin(th), -cos(th)]\"}}\ngravity: [0, -g]\n\
+        outputs: {x: l*sin(th), y: -l*cos(th)}\nscene: {start: {th: 1 + u}, until: 1}\n";
+    let file = super::folder("angles").join("turns.yaml");
+    std::fs::write(&file, text).expect("a file");
+    let solve = |unknown: &str, wanted: &str| -> serde_json::Value {
+        let told = super::program(&[
+            "solve",
+            file.to_str().expect("a path"),
+            "--unknown",
+            unknown,
+            "--such-that",
+            wanted,
+            "--json",
+        ]);
+        serde_json::from_str(&told.unwrap_or_else(|error| panic!("{unknown}: {error}"))).expect("JSON")
+    };
+    let value = |found: &serde_json::Value, name: &str| found["values"][name]["value"].as_f64().expect("a number");
+    // Without its cure -94.55, -31.72, 87.66, 28.68 and -9.72.
+    for guess in [1.5, 1.8, 1.9, 2.0, 2.1] {
+        let found = solve(&format!("th={guess}"), "x=0.3");
+        assert!((value(&found, "th") - guess).abs() <= std::f64::consts::PI, "{guess}: {found}");
+        let found = solve(&format!("u={}", guess - 1.0), "x=0.3");
+        assert!((value(&found, "u") - guess + 1.0).abs() <= std::f64::consts::PI, "{guess}: {found}");
+    }
+    // Where the angle itself is wanted at the end, its turns count.
+    let found = solve("th=0.5", "th=25");
+    assert!(value(&found, "th") > 18.0, "{found}");
+}

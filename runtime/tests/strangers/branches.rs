@@ -190,3 +190,25 @@ fn a_root_locus_was_scaled_to_rounding_and_there_was_no_campbell_diagram() {
         program(&["modes", path.to_str().unwrap(), "--vary", "k=1..2", "--campbell", &campbell, "--orders", "1"]);
     assert!(refused.unwrap_err().contains("`k` has the unit N*m"));
 }
+
+/// p x'' + (p − 1/100) x' + x = 0: nothing moves at p = 0, and the border is within the first step behind it.
+#[test]
+fn what_begins_beside_a_singular_end_was_missed() {
+    let text = "name: T\nparameters: {k: 1, p: 1}\ncoordinates: {x: 1}\nkinetic_energy: p*x'^2/2\npotential_energy: k*x^2/2\n\
+        generalized_forces: {x: -(p - 0.01)*x'}\nscene: {start: {x: 0}, until: 1}\n";
+    let file = folder("branches").join("singular_end.yaml");
+    std::fs::write(&file, text).expect("a file");
+    let of = |range: &str| -> Value {
+        let told = program(&["modes", file.to_str().expect("a path"), "--vary", range, "--json"]);
+        serde_json::from_str(&told.unwrap_or_else(|error| panic!("{range}: {error}"))).expect("JSON")
+    };
+    // The range begins at the singular value, or beyond it; its neighbour has none.
+    for (range, missing) in [("p=0..10", 1), ("p=10..0", 1), ("p=-1..10", 1), ("p=0.001..10", 0)] {
+        let found = of(range);
+        expect(&found, &[(0.01, "flutter")]);
+        let parts = found["locus"]["missing"].as_array().expect("parts");
+        assert_eq!(parts.len(), missing, "{range}: {parts:?}");
+        let near = |part: &Value| part["to"].as_f64().is_some_and(|to| to < 1e-9);
+        assert!(parts.iter().all(near), "{range}: {parts:?}");
+    }
+}

@@ -181,3 +181,72 @@ scene: {start: {x1: -0.7, x2: 0.3}, until: 10}
     );
     assert!(told.contains("p = 0 kg*m/s") && told.contains("centre = 0 m"), "{told}");
 }
+
+/// What `modes --sampled` finds of a text.
+fn sampled(name: &str, text: &str) -> serde_json::Value {
+    let file = super::folder("control").join(format!("{name}.yaml"));
+    std::fs::write(&file, text).expect("a file");
+    let told = super::program(&["modes", file.to_str().expect("a path"), "--sampled", "--json"]);
+    serde_json::from_str(&told.unwrap_or_else(|error| panic!("{name}: {error}"))).expect("JSON")
+}
+
+/// x' = u by a law of proportional and integral parts, whose period is a parameter: 1 + trace + det = 4 − 2 kp T − ki T² is 0 there.
+#[test]
+fn a_law_that_has_its_period_as_a_parameter_kept_it() {
+    let law = |every: &str| {
+        format!(
+            "name: Law\nparameters: {{kp: 2 1/s, ki: 3 1/s^2, Ts: 0.05 s}}\nstates: {{x: {{unit: m, rate: u}}}}\n\
+             memory: {{u: 0 m/s, I: 0 m/s}}\n\
+             events: {{tick: {{every: {every}, then: [{{set: {{I: I - ki*Ts*x}}}}, {{set: {{u: I - kp*x}}}}]}}}}\n\
+             scene: {{start: {{x: 1}}, until: 1}}\n"
+        )
+    };
+    let (kp, ki) = (2.0_f64, 3.0_f64);
+    let with = ((kp * kp + 4.0 * ki).sqrt() - kp) / ki;
+    let without = 4.0 / (2.0 * kp + ki * 0.05);
+    for (name, every, expected, varied) in [
+        ("follows", "Ts", with, vec!["Ts"]),
+        ("half", "Ts/2", f64::NAN, vec!["Ts"]),
+        ("stays", "50 ms", without, vec![]),
+    ] {
+        let found = sampled(name, &law(every));
+        let critical = found["critical_periods"][0].as_f64().expect("a period");
+        assert!(expected.is_nan() || (critical / expected - 1.0).abs() < 1e-12, "{name}: {critical} {expected}");
+        assert_eq!(found["varied"], serde_json::json!(varied), "{name}");
+    }
+    let words = |every: &str| {
+        let file = super::folder("control").join("words.yaml");
+        std::fs::write(&file, law(every)).expect("a file");
+        super::program(&["modes", file.to_str().expect("a path"), "--sampled"]).expect("words")
+    };
+    assert!(words("Ts").contains("`Ts` varied with it") && words("50 ms").contains("`every: Ts` lets it follow"));
+}
+
+/// An integral state that adds a fixed part each tick is too fast for short periods: s³ + c s² + (k + kp) s + ki Ts/T is stable for
+/// T > ki Ts/(c (k + kp)).
+#[test]
+fn periods_that_are_too_short_were_not_looked_for() {
+    let law = |every: &str| {
+        format!(
+            "name: Law\nparameters: {{m: 1 kg, k: 4 N/m, c: 1 N*s/m, kp: 2 N/m, ki: 0.05 N/m}}\ncoordinates: {{x: m}}\n\
+             bodies: {{b: {{mass: m, position: \"[x, 0]\"}}}}\nmemory: {{u: 0 N, I: 0 N}}\n\
+             springs: {{s: {{stretch: x, stiffness: k}}}}\ndampers: {{d: {{rate: x', damping: c}}}}\n\
+             forces: {{f: {{on: b, force: \"[u, 0]\"}}}}\n\
+             events: {{tick: {{every: {every} s, then: [{{set: {{I: I - ki*x}}}}, {{set: {{u: I - kp*x}}}}]}}}}\n\
+             scene: {{start: {{x: 1}}, until: 1}}\n"
+        )
+    };
+    let found = sampled("both", &law("0.05"));
+    let period = |key: &str| found[key][0].as_f64().unwrap_or_else(|| panic!("{found}"));
+    let (short, long) = (period("least_periods"), period("critical_periods"));
+    assert!((short / (0.05 / 6.0) - 1.0).abs() < 0.02, "{short}");
+    for (every, stable) in [(0.999 * short, false), (1.001 * short, true), (0.999 * long, true), (1.001 * long, false)]
+    {
+        let again = sampled("beside", &law(&every.to_string()));
+        assert_eq!(again["stable"], stable, "{every}");
+        // From where it is unstable the nearest border is the same.
+        let nearest =
+            if (every / short - 1.0).abs() < 0.01 { ("least_periods", short) } else { ("critical_periods", long) };
+        assert!((again[nearest.0][0].as_f64().expect("a period") / nearest.1 - 1.0).abs() < 1e-12, "{again}");
+    }
+}

@@ -122,3 +122,74 @@ fn a_mode_of_a_rotation_was_refused() {
     assert!(of_a.iter().zip(&of_b).all(|(a, b)| (a - b).abs() < 1e-8), "{a}{b}");
     assert!(a.contains("no small change grows") && b.contains("no small change grows"), "{a}{b}");
 }
+
+/// A ball on a table that swings as a sin(w t): once a period, v = g T/2 against u = v (1 − e)/(1 + e) of the table.
+const BALL: &str = "
+name: Ball
+parameters: {m: 1 kg, g: 10 m/s^2, a: 0.1 m, w: 10 1/s, e: 0.8 1}
+coordinates: {x: m}
+bodies: {b: {mass: m, position: \"[0, x]\"}}
+gravity: [0, -g]
+constraints: {table: x - a*sin(w*t)}
+phases: {fly: []}
+events: {hit: {when: x - a*sin(w*t), direction: falling, then: {impact: e, along: table}}}
+scene: {start: {x: 0.4, x': -1.93}, until: 0.5}
+";
+
+#[test]
+fn what_time_does_in_events_alone_was_taken_for_nothing() {
+    let found = orbit("ball", BALL, &[]).expect("an orbit");
+    let t = std::f64::consts::TAU / 10.0;
+    let v = 5.0 * t;
+    let hit = (v * 0.2 / 1.8_f64).acos() / 10.0;
+    // From the start to the impact it falls; the impact is at w t = acos(u/(a w)).
+    let x = 0.1 * (10.0 * hit).sin() + v * hit - 5.0 * hit * hit;
+    let at_start = found.lines().find_map(|line| line.trim().strip_prefix("x = ")).map_or(f64::NAN, number);
+    assert!((period(&found) - t).abs() < 1e-14 && (at_start - x).abs() < 1e-13, "{found}{x}");
+    // Areas shrink by e² at the impact: |μ|² of a pair.
+    let squares: f64 = multipliers(&found).iter().map(|x| x * x).sum();
+    assert!((squares - 2.0 * 0.64).abs() < 1e-9, "{found}");
+    assert!(orbit("ball", BALL, &["--period", "0.7"]).unwrap_err().contains("does not repeat itself after 0.7 s"));
+    let at = orbit("ball", BALL, &["--at", "hit"]).unwrap_err();
+    assert!(at.contains("`hit`, which is to close the motion, happens 0.12"), "{at}");
+    // A table at rest is no forcing: any motion that closes when it strikes does.
+    let rest = BALL.replace("a: 0.1 m", "a: 0.1 m, v: 1 m/s").replace("a*sin(w*t)", "a");
+    let rest = rest.replace("e: 0.8 1", "e: 1 1").replace("x: 0.4, x': -1.93", "x: 0.1, x': v");
+    assert!((period(&orbit("rest", &rest, &["--at", "hit"]).expect("an orbit")) - 0.2).abs() < 1e-13);
+}
+
+#[test]
+fn what_happens_once_was_told_to_repeat_itself() {
+    let once = |when: &str| {
+        format!(
+            "name: Once\nparameters: {{m: 1 kg, k: 100 N/m, c: 1 N*s/m, F: 10 N, t1: 5 s, w: 13 1/s}}\ncoordinates: {{x: m}}\n\
+             bodies: {{b: {{mass: m, position: \"[x, 0]\"}}}}\nphases: {{a: [], b: []}}\nsprings: {{s: {{stretch: x, stiffness: k}}}}\n\
+             dampers: {{d: {{rate: x', damping: c}}}}\nforces: {{f: {{on: b, force: \"[F, 0]\", phase: b}}}}\n\
+             events: {{go: {{when: {when}, direction: rising, phase: a, then: b}}, back: {{when: sin(w*t) + 0.5, direction: falling, phase: b, then: a}}}}\n\
+             scene: {{start: {{x: 0.1}}, until: 2}}\n"
+        )
+    };
+    for period in ["1", "3.77"] {
+        let why = orbit("once", &once("t - t1"), &["--period", period]).unwrap_err();
+        assert!(why.contains("does not repeat itself after"), "{why}");
+    }
+    assert!(orbit("once", &once("sin(w*t) - 0.5"), &["--period", "0.3"]).unwrap_err().contains("after 0.3 s"));
+    let found = orbit("again", &once("sin(w*t) - 0.5"), &[]).expect("an orbit");
+    assert!((period(&found) - std::f64::consts::TAU / 13.0).abs() < 1e-14, "{found}");
+    // What only ends a run far away forces nothing.
+    let ends = once("sin(w*t) - 0.5").replace("back:", "end: {when: t - t1, then: stop}, back:");
+    let found = orbit("ends", &ends, &["--period", "2*pi/w"]).expect("an orbit");
+    assert!((period(&found) - std::f64::consts::TAU / 13.0).abs() < 1e-14, "{found}");
+}
+
+/// A light body, p x'' + p x' + x = cos 3t: the shorter its own period, the more steps changes of its motion take.
+#[test]
+fn a_limit_of_its_own_was_told_as_one_that_can_be_raised() {
+    let text = "name: Light\nparameters: {k: 1, p: 1}\ncoordinates: {x: 1}\nkinetic_energy: p*x'^2/2\npotential_energy: k*x^2/2\n\
+        generalized_forces: {x: -p*x' + cos(3*t)}\nscene: {start: {x: 0}, until: 10}\n";
+    let found = orbit("light", text, &["--vary", "p=0.05..0.00001", "--segments", "1"]).expect("a family");
+    assert!(!found.contains("ended") && found.contains("1e-5"), "{found}");
+    // A limit of the user's is one that can be raised.
+    let why = orbit("light", text, &["--set", "p=0.00001", "--max-steps", "50"]).unwrap_err();
+    assert!(why.contains("raise `max_steps`"), "{why}");
+}

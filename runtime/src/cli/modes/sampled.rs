@@ -102,14 +102,44 @@ fn table(name: &str, found: &SampledLoop, system: &dyn System, out: &mut dyn Wri
         "stability: {}",
         if found.is_stable() { "departures die out" } else { "some departures do not die out" }
     )?;
+    thresholds(found, system, out)?;
+    Ok(())
+}
+
+/// Periods at which stability changes, and what is varied with them.
+fn thresholds(found: &SampledLoop, system: &dyn System, out: &mut dyn Write) -> Result<(), Problem> {
+    let at = |factor: f64| {
+        periods(system).iter().map(|every| format!("{:?} s", factor * every)).collect::<Vec<_>>().join(", ")
+    };
     match found.critical_factor {
-        Some(factor) => {
-            let periods: Vec<String> = periods(system).iter().map(|every| format!("{:?} s", factor * every)).collect();
-            writeln!(out, "  some |z| is 1 from a period of {} on", periods.join(", "))?;
-        }
+        Some(factor) => writeln!(out, "  some |z| is 1 from a period of {} on", at(factor))?,
         None => writeln!(out, "  no period was found from which on some |z| is 1")?,
     }
+    if let Some(factor) = found.least_factor {
+        writeln!(out, "  some |z| is 1 from a period of {} down", at(factor))?;
+    }
+    if found.critical_factor.or(found.least_factor).is_none() {
+        return Ok(());
+    }
+    let named = |names: &[String]| names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+    if !found.varied.is_empty() {
+        writeln!(out, "  {} varied with it", named(&found.varied))?;
+        return Ok(());
+    }
+    writeln!(out, "  nothing but the ticks varied: what the law takes for its period stays")?;
+    let stays = staying(system);
+    if !stays.is_empty() {
+        writeln!(out, "  {} of the same value stays; `every: {}` lets it follow", named(&stays), stays[0])?;
+    }
     Ok(())
+}
+
+/// Parameters that have the value of a period, of which no clock is made.
+fn staying(system: &dyn System) -> Vec<String> {
+    let (values, periods) = (system.parameters(), periods(system));
+    let known = system.description().parameters.iter().zip(values);
+    let same = known.filter(|(known, value)| known.unit == "s" && periods.contains(value));
+    same.map(|(known, _)| known.name.to_string()).collect()
 }
 
 fn are(count: usize) -> &'static str {
@@ -127,8 +157,10 @@ fn as_json(name: &str, found: &SampledLoop, system: &dyn System) -> Value {
     let matrix = |m: &DMatrix<f64>| -> Value {
         m.row_iter().map(|row| row.iter().map(|x| number(*x)).collect::<Vec<_>>()).collect::<Vec<_>>().into()
     };
-    let critical =
-        found.critical_factor.map(|factor| periods(system).iter().map(|every| number(factor * every)).collect());
+    let times = |factor: Option<f64>| match factor {
+        Some(factor) => Value::Array(periods(system).iter().map(|every| number(factor * every)).collect()),
+        None => Value::Null,
+    };
     object([
         ("model", json!(name)),
         ("equilibrium", named(&found.place)),
@@ -145,6 +177,8 @@ fn as_json(name: &str, found: &SampledLoop, system: &dyn System) -> Value {
         ("s", found.exponents.iter().map(pair).collect::<Vec<_>>().into()),
         ("aliased", json!(found.aliased())),
         ("stable", json!(found.is_stable())),
-        ("critical_periods", critical.map_or(Value::Null, |list: Vec<Value>| list.into())),
+        ("critical_periods", times(found.critical_factor)),
+        ("least_periods", times(found.least_factor)),
+        ("varied", json!(found.varied)),
     ])
 }

@@ -1,6 +1,7 @@
 //! Where stability changes along a branch.
 
 use std::cell::Cell;
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::continuation::{Continuation, End, Path};
@@ -14,6 +15,9 @@ const DEEPEST: u32 = 40;
 /// Beyond so many halvings a single change of stability is bisected.
 const SHALLOW: u32 = 10;
 
+/// How near states come to one without small motions, in parts of a step of the walk: as near as steps of the walk itself may.
+const NEAREST: f64 = 1e-9;
+
 /// A state and what moves there.
 #[derive(Clone)]
 struct Sample {
@@ -23,54 +27,123 @@ struct Sample {
     sheet: usize,
 }
 
+/// The samples of a path: one of each state; of a state without small motions the nearest ones that have some, before and behind it.
+struct Samples {
+    regular: Vec<Option<Sample>>,
+    beside: BTreeMap<usize, [Option<Sample>; 2]>,
+}
+
+impl Samples {
+    /// That of a state, as seen from the states before it (0) or behind it (1).
+    fn at(&self, index: usize, side: usize) -> Option<&Sample> {
+        self.regular.get(index)?.as_ref().or_else(|| self.beside.get(&index)?[side].as_ref())
+    }
+
+    fn all(&self) -> impl Iterator<Item = &Sample> {
+        self.regular.iter().flatten().chain(self.beside.values().flatten().flatten())
+    }
+}
+
 /// Samples a path until nothing can hide between two samples; adds its states and thresholds to the branch.
 pub(super) fn thresholds(continuation: &Continuation, path: &Path, branch: &mut Branch) {
     let samples = sampled(continuation, path, branch);
-    let grows =
-        |index: usize| samples.get(index).and_then(Option::as_ref).map_or(0, |s| s.spectrum.growing(Measure::Coarse));
+    let grows = |index: usize| {
+        let sample = samples.at(index, 0).or_else(|| samples.at(index, 1));
+        sample.map_or(0, |sample| sample.spectrum.growing(Measure::Coarse))
+    };
     ends(continuation, path, &grows, branch);
     let size = continuation.size();
-    let softest = samples.iter().flatten().fold(0.0_f64, |most, sample| most.max(sample.spectrum.softness()));
+    let softest = samples.all().fold(0.0_f64, |most, sample| most.max(sample.spectrum.softness()));
     let search = Search { continuation, path, softest, left: Cell::new(40_000 / (1 + size * size / 20)) };
     let mut found: Vec<Sample> = Vec::new();
-    for (index, pair) in samples.windows(2).enumerate() {
-        let [Some(a), Some(b)] = pair else { continue };
-        match path.turning_points.iter().find(|turn| turn.index == index + 1) {
+    for index in 1..path.points.len() {
+        let [Some(a), Some(b)] = [samples.at(index - 1, 1), samples.at(index, 0)] else { continue };
+        match path.turning_points.iter().find(|turn| turn.index == index) {
             Some(turn) => search.round(turn, a, b, &mut found, &mut branch.thresholds),
             None => {
-                let beside = |index: Option<usize>, sheet: usize| {
-                    let sample = index.and_then(|index| samples.get(index)?.as_ref());
-                    sample.filter(|sample| sample.sheet == sheet)
-                };
-                let outside = [beside(index.checked_sub(1), a.sheet), beside(Some(index + 2), b.sheet)];
+                let outside = [
+                    index
+                        .checked_sub(2)
+                        .and_then(|before| samples.at(before, 1))
+                        .filter(|sample| sample.sheet == a.sheet),
+                    samples.at(index + 1, 0).filter(|sample| sample.sheet == b.sheet),
+                ];
                 search.between(outside, [a, b], 0, &mut found, &mut branch.thresholds);
             }
         }
     }
-    branch.points.extend(samples.into_iter().flatten().chain(found).map(|sample| {
+    branch.points.extend(samples.all().cloned().chain(found).map(|sample| {
         let folded = path.folded(sample.sheet, sample.state.value);
         sample.spectrum.point(sample.state, sample.sheet, folded)
     }));
 }
 
-/// Small motions about all states of a path; where there are none, that is missing from the branch.
-fn sampled(continuation: &Continuation, path: &Path, branch: &mut Branch) -> Vec<Option<Sample>> {
-    let mut fault: Option<(f64, LinearError)> = None;
-    let mut samples: Vec<Option<Sample>> = Vec::new();
-    continuation.note_zeros(path.points.iter().map(|state| (state.value, state.q.as_slice())));
-    for (index, state) in path.points.iter().enumerate() {
+/// Small motions about all states of a path; what is between those that have none and the nearest that have some is missing from the branch.
+fn sampled(continuation: &Continuation, path: &Path, branch: &mut Branch) -> Samples {
+    let points = &path.points;
+    continuation.note_zeros(points.iter().map(|state| (state.value, state.q.as_slice())));
+    let (mut regular, mut faults) = (Vec::with_capacity(points.len()), BTreeMap::new());
+    for (index, state) in points.iter().enumerate() {
+        let sheet = path.sheet(index);
         match continuation.spectrum(state) {
-            Ok(spectrum) => samples.push(Some(Sample { state: state.clone(), spectrum, sheet: path.sheet(index) })),
+            Ok(spectrum) => regular.push(Some(Sample { state: state.clone(), spectrum, sheet })),
             Err(error) => {
-                fault = fault.or(Some((state.value, error)));
-                samples.push(None);
+                faults.insert(index, error);
+                regular.push(None);
             }
         }
     }
-    branch.missing.extend(fault.map(|(value, error)| ((value, value), error)));
-    let softest = samples.iter().flatten().fold(0.0_f64, |most, sample| most.max(sample.spectrum.softness()));
-    let beside = |sample: Sample| Sample { spectrum: sample.spectrum.beside(softest), ..sample };
-    samples.into_iter().map(|sample| sample.map(beside)).collect()
+    let is_regular = |index: usize| regular.get(index).is_some_and(Option::is_some);
+    let near = |index: usize, other: Option<usize>| {
+        let other = other.filter(|other| is_regular(*other))?;
+        let (state, spectrum) = nearest(continuation, &points[index], &points[other])?;
+        Some(Sample { state, spectrum, sheet: path.sheet(other) })
+    };
+    let sides = |index: usize| [near(index, index.checked_sub(1)), near(index, Some(index + 1))];
+    let beside: BTreeMap<usize, [Option<Sample>; 2]> = faults.keys().map(|index| (*index, sides(*index))).collect();
+    branch.missing.extend(missing(points, &beside, faults));
+    let softest = regular.iter().flatten().fold(0.0_f64, |most, sample| most.max(sample.spectrum.softness()));
+    let softened = |sample: Sample| Sample { spectrum: sample.spectrum.beside(softest), ..sample };
+    Samples {
+        regular: regular.into_iter().map(|sample| sample.map(softened)).collect(),
+        beside: beside.into_iter().map(|(index, both)| (index, both.map(|sample| sample.map(softened)))).collect(),
+    }
+}
+
+/// Parts of the range without small motions, from the nearest states with some, each with its first error.
+fn missing(
+    points: &[State],
+    beside: &BTreeMap<usize, [Option<Sample>; 2]>,
+    faults: BTreeMap<usize, LinearError>,
+) -> Vec<((f64, f64), LinearError)> {
+    let mut parts: Vec<((f64, f64), LinearError)> = Vec::new();
+    let mut last = None;
+    for (index, error) in faults {
+        let ends = beside[&index].iter().flatten().map(|sample| sample.state.value);
+        let (low, high) =
+            ends.fold((points[index].value, points[index].value), |(low, high), x| (low.min(x), high.max(x)));
+        match parts.last_mut().filter(|_| last.is_some_and(|last| last + 1 == index)) {
+            Some((part, _)) => *part = (part.0.min(low), part.1.max(high)),
+            None => parts.push(((low, high), error)),
+        }
+        last = Some(index);
+    }
+    parts
+}
+
+/// The state with small motions that is nearest to one without, on the way from another one that has some, by bisection.
+fn nearest(continuation: &Continuation, singular: &State, from: &State) -> Option<(State, Spectrum)> {
+    let mut found = None;
+    let (mut without, mut with) = (0.0, 1.0);
+    while with - without > NEAREST {
+        let middle = 0.5 * (without + with);
+        let state = continuation.between(singular, from, middle);
+        match state.and_then(|state| Some((continuation.spectrum(&state).ok()?, state))) {
+            Some((spectrum, state)) => (found, with) = (Some((state, spectrum)), middle),
+            None => without = middle,
+        }
+    }
+    found
 }
 
 /// Folds, poles and where constraints depend on each other, with how many modes grow at the state of an index.

@@ -10,11 +10,13 @@
 //!
 //! Source: Franklin, Powell and Workman, Digital Control of Dynamic Systems, 1998, 4.3 (zero-order hold).
 
+mod critical;
 mod cycle;
 mod rest;
 
 use nalgebra::{Complex, DMatrix};
 
+use critical::{Critical, Varying};
 use cycle::{Cycle, INSTANT};
 use rest::{Assignment, Search};
 
@@ -27,17 +29,6 @@ use crate::mechanism::{Action, Along, System, Target, Trigger, rate_name};
 
 /// An eigenvalue with this part of a half turn a period, or more, may be one of a faster motion.
 const ALIASED: f64 = 0.9;
-/// Periods are looked at from this part of the present ones on, at which a loop is as good as continuous.
-const SHORTEST_PERIOD: f64 = 1e-3;
-/// Up to so many times the present ones: nobody samples a loop so much less often than it was made for.
-const LONGEST_PERIOD: f64 = 1e4;
-/// Each is so many times the one before: an eigenvalue seldom passes |z| = 1 and comes back between two of them.
-const NEXT_PERIOD: f64 = 1.01;
-/// Eigenvalues this near to 1 are those of what stays where it is, whatever the period.
-const NEUTRAL: f64 = 1e-9;
-/// The longest period is looked for where no more ticks than this are in a cycle: each costs an exponential.
-const MOST_SEARCHED: usize = 100;
-
 /// A loop that is closed at ticks, about its rest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SampledLoop {
@@ -65,9 +56,14 @@ pub struct SampledLoop {
     pub forgotten: usize,
     /// ln z/T, 1/s.
     pub exponents: Vec<Complex<f64>>,
-    /// The factor of all periods with which some |z| is 1 first; `None` where there is none within 10⁻³ to 10⁴, or the cycle is too long to
-    /// be looked at so often.
+    /// The factor of all periods nearest to 1 from which on some |z| is 1 or more; `None` where there is none within 10⁻³ to 10⁴, or the
+    /// cycle is too long to be looked at so often.
     pub critical_factor: Option<f64>,
+    /// The factor nearest to 1 from which downwards some |z| is 1 or more: shorter periods are worse, as where a law divides by its period.
+    pub least_factor: Option<f64>,
+    /// Parameters of which the periods are made, and which these factors multiply or divide with them; none where the periods alone are
+    /// varied, and the law stays as it is.
+    pub varied: Vec<String>,
 }
 
 impl SampledLoop {
@@ -113,20 +109,49 @@ pub fn linearise_sampled<S: System + ?Sized>(
     guess: &Guess,
     memory: &[f64],
 ) -> Result<SampledLoop, LinearError> {
-    let mut search = Search::new(system, guess, memory);
     let cycle = Cycle::of(system)?;
+    let search = at_rest(system, guess, memory)?;
+    let law = search.law(&cycle)?;
+    let critical = Varying::of(system, (&search, guess), &cycle).critical(&law);
+    search.closed(&cycle, &law, critical)
+}
+
+/// The rest of the loop nearest to a guess.
+fn at_rest<S: System + ?Sized>(system: &S, guess: &Guess, memory: &[f64]) -> Result<Search, LinearError> {
+    let mut search = Search::new(system, guess, memory);
     search.base.check(&search.q)?;
     search.find_read();
     let iterations = search.newton().map_err(|iterations| search.nowhere(iterations))?;
-    if !search.is_met(BALANCED) {
-        return Err(search.nowhere(iterations));
+    if search.is_met(BALANCED) { Ok(search) } else { Err(search.nowhere(iterations)) }
+}
+
+/// What departures do: [A B; 0 0] between ticks, and the jumps at the instants of a cycle.
+struct Law {
+    field: DMatrix<f64>,
+    jumps: Vec<DMatrix<f64>>,
+}
+
+impl Law {
+    /// The map over a cycle, whose times are multiplied by a factor.
+    fn map(&self, cycle: &Cycle, factor: f64) -> DMatrix<f64> {
+        let mut gaps: Vec<(f64, DMatrix<f64>)> = Vec::new();
+        let mut product = DMatrix::identity(self.field.nrows(), self.field.nrows());
+        for (jump, (_, gap)) in self.jumps.iter().zip(&cycle.instants) {
+            let gap = factor * gap;
+            let known = gaps.iter().position(|(known, _)| (known - gap).abs() <= INSTANT * gap);
+            let place = known.unwrap_or_else(|| {
+                gaps.push((gap, expm(&(&self.field * gap))));
+                gaps.len() - 1
+            });
+            product = &gaps[place].1 * (jump * product);
+        }
+        product
     }
-    search.closed(&cycle)
 }
 
 impl Search {
-    /// The loop about the rest that was found.
-    fn closed(&self, cycle: &Cycle) -> Result<SampledLoop, LinearError> {
+    /// How departures from the rest that was found move.
+    fn law(&self, cycle: &Cycle) -> Result<Law, LinearError> {
         if let Some(jump) = self.base.jumps(&self.q).first() {
             return Err(LinearError::NotSmooth { switch: jump.switch.clone() });
         }
@@ -147,31 +172,17 @@ impl Search {
             field.view_mut((n, size + k), (all, 1)).copy_from(&column);
         }
         let slopes = self.slopes_of_assignments(&field);
-        let jumps: Vec<DMatrix<f64>> = cycle.instants.iter().map(|(ticking, _)| self.jump(ticking, &slopes)).collect();
-        let map = |factor: f64| {
-            let mut gaps: Vec<(f64, DMatrix<f64>)> = Vec::new();
-            let mut product = DMatrix::identity(size + held, size + held);
-            for (jump, (_, gap)) in jumps.iter().zip(&cycle.instants) {
-                let gap = factor * gap;
-                let known = gaps.iter().position(|(known, _)| (known - gap).abs() <= INSTANT * gap);
-                let place = known.unwrap_or_else(|| {
-                    gaps.push((gap, expm(&(&field * gap))));
-                    gaps.len() - 1
-                });
-                product = &gaps[place].1 * (jump * product);
-            }
-            product
-        };
-        let matrix = map(1.0);
+        let jumps = cycle.instants.iter().map(|(ticking, _)| self.jump(ticking, &slopes)).collect();
+        Ok(Law { field, jumps })
+    }
+
+    /// The loop about the rest that was found.
+    fn closed(&self, cycle: &Cycle, law: &Law, critical: Critical) -> Result<SampledLoop, LinearError> {
+        let n = self.n;
+        let matrix = law.map(cycle, 1.0);
         let none = || LinearError::NoConvergence { what: "the eigenvalues of the loop" };
         let (multipliers, forgotten) = eigenvalues(&matrix).ok_or_else(none)?;
         let exponents = multipliers.iter().map(|z| z.ln() / cycle.period).collect();
-        let growth = |factor: f64| {
-            let (found, _) = eigenvalues(&map(factor))?;
-            let moving = found.iter().filter(|z| (*z - 1.0).norm() > NEUTRAL);
-            Some(moving.map(|z| z.norm()).fold(0.0, f64::max) - 1.0)
-        };
-        let critical_factor = (cycle.instants.len() <= MOST_SEARCHED).then(|| first_zero(growth)).flatten();
         let system = self.base.system.borrow();
         let (description, sampling) = (system.description(), system.sampling());
         let names = description.coordinates[..n].iter().map(|c| c.name.to_string());
@@ -199,7 +210,9 @@ impl Search {
             multipliers,
             forgotten,
             exponents,
-            critical_factor,
+            critical_factor: critical.longer,
+            least_factor: critical.shorter,
+            varied: critical.varied,
         })
     }
 
@@ -257,29 +270,6 @@ fn eigenvalues(matrix: &DMatrix<f64>) -> Option<(Vec<Complex<f64>>, usize)> {
     let mut values = Eigen::of(&reduced)?.values;
     values.sort_by(|a, b| b.norm().total_cmp(&a.norm()).then(a.im.total_cmp(&b.im)));
     Some((values, forgotten))
-}
-
-/// The first factor at which a growth that is negative for short periods becomes 0, to rounding.
-fn first_zero(growth: impl Fn(f64) -> Option<f64>) -> Option<f64> {
-    let mut low = SHORTEST_PERIOD;
-    if growth(low)? >= 0.0 {
-        return None;
-    }
-    while low < LONGEST_PERIOD {
-        let mut high = NEXT_PERIOD * low;
-        if growth(high)? < 0.0 {
-            low = high;
-            continue;
-        }
-        loop {
-            let middle = 0.5 * (low + high);
-            if middle <= low || middle >= high {
-                return Some(high);
-            }
-            if growth(middle)? < 0.0 { low = middle } else { high = middle }
-        }
-    }
-    None
 }
 
 impl std::fmt::Display for SampledLoop {
