@@ -189,7 +189,7 @@ impl Reader {
         let mut found = Vec::new();
         for (name, text) in pairs(options, option)? {
             if let Some(place) = loaded.system.sampling().place_of(&name) {
-                found.push((place, self.value(loaded, option, Sets::Any, &text)?));
+                found.push((place, self.value(loaded, option, Sets::Memory(place), &text)?));
             }
         }
         Ok(found)
@@ -234,6 +234,19 @@ impl Reader {
     }
 }
 
+/// What a value sets that an output of this name has; of a coordinate or a rate, that.
+pub fn like_output(loaded: &Loaded, name: &str) -> Result<Sets, Problem> {
+    let outputs = &loaded.system.description().outputs;
+    let of = name.split('.').next().unwrap_or(name);
+    if let Some(place) = outputs.iter().position(|output| output.name == name || output.name == of) {
+        return Ok(Sets::Output(place));
+    }
+    Ok(match place_in_state(loaded, name)? {
+        Place::Coordinate(index) => Sets::Coordinate(index),
+        Place::Speed(index) => Sets::Speed(index),
+    })
+}
+
 /// A bare number with the unit that stands once for several: in `20..40 deg` and `10, 20, 30 deg` at the last.
 pub fn with_unit_of(text: &str, last: &str) -> String {
     let (text, last) = (text.trim(), last.trim());
@@ -256,7 +269,7 @@ fn set_input(loaded: &mut Loaded, reader: &mut Reader, name: &str, text: &str) -
     };
     let parameters = loaded.system.parameters();
     let model = reader.model(loaded)?;
-    let signal = model.signal(text).map_err(|problems| in_option("input", text, &problems))?;
+    let signal = model.signal(text, index).map_err(|problems| in_option("input", text, &problems))?;
     if model.is_local(&signal) {
         // Its discontinuities and narrow features are followed as those of the file's own inputs.
         model.inputs[index].signal = signal;

@@ -8,7 +8,7 @@ use serde_json::{Value as Json, json};
 
 use super::json::{number, object};
 use super::load::{Loaded, listed_pairs};
-use super::set_up::{Place, Reader, for_search, motion_index, parameter_index, place_in_state};
+use super::set_up::{Place, Reader, for_search, like_output, motion_index, parameter_index, place_in_state};
 use super::{Context, Problem, outputs, value_files};
 use crate::error::{Error, NoSlopes, NotFound};
 use crate::find::{Found, Record, Search, Value};
@@ -72,15 +72,14 @@ const HALF: &str =
 fn read(reader: &mut Reader, loaded: &Loaded, option: &str, (name, text): (&str, &str)) -> Result<f64, Problem> {
     let description = loaded.system.description();
     let is_parameter = description.parameters.iter().any(|parameter| parameter.name == name);
-    let is_output = description.outputs.iter().any(|output| name.split('.').next() == Some(&*output.name));
     let sets = match option {
         "unknown" if name == "until" => Sets::Time,
         "unknown" if is_parameter => Sets::Parameter(parameter_index(loaded, name)?),
-        option if option != "unknown" && is_output => Sets::Any,
-        _ => match place_in_state(loaded, name)? {
+        "unknown" => match place_in_state(loaded, name)? {
             Place::Coordinate(index) => Sets::Coordinate(index),
             Place::Speed(index) => Sets::Speed(index),
         },
+        _ => like_output(loaded, name)?,
     };
     reader.value(loaded, option, sets, text)
 }

@@ -20,6 +20,7 @@ mod second_runs;
 mod slow;
 mod strikes;
 mod surfaces;
+mod units;
 mod warnings;
 mod zero;
 

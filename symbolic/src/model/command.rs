@@ -8,6 +8,7 @@ use super::expression::dimension::{Dimension, Measure};
 use super::expression::lower::Local;
 use super::expression::radians;
 use super::expression::rules::Rules;
+use super::expression::scope::Member;
 use super::expression::value::Value;
 use super::resolved::Model;
 use super::section::springs::LENGTH;
@@ -35,6 +36,20 @@ pub enum Sets {
     Coordinate(usize),
     /// The velocity of a coordinate, by its place.
     Speed(usize),
+    /// An input, by its place.
+    Input(usize),
+    /// A held value, by its place.
+    Memory(usize),
+    /// An output or a component of it, by its place.
+    Output(usize),
+    /// An energy.
+    Energy,
+    /// A force at a point.
+    Force,
+    /// A couple.
+    Couple,
+    /// A generalized force on a coordinate, by the coordinate's place.
+    ForceOn(usize),
 }
 
 /// What a scene is run for.
@@ -112,20 +127,7 @@ impl Model {
     /// What is wrong with it; places are spans of `text`.
     pub fn constant(&mut self, text: &str, sets: Sets, parameters: &[f64]) -> Result<f64, Vec<Problem>> {
         let quantity = file::quantity(text, &Place::default())?;
-        let units = &self.scope.units;
-        let known = |units: &[Measure], place: usize| units.get(place).copied().unwrap_or_default();
-        let (what, unit) = match sets {
-            Sets::Any => ("this option", Measure::Unknown),
-            Sets::Frequency => ("an angular frequency", units.of(Dimension::RATE)),
-            Sets::Time => ("a time", units.of(Dimension::TIME)),
-            Sets::Number => ("this option", Measure::ONE),
-            Sets::Parameter(place) => ("this parameter", known(&units.parameters, place)),
-            Sets::Coordinate(place) => ("this coordinate", known(&units.coordinates, place)),
-            Sets::Speed(place) if place >= self.mechanical() => {
-                ("this state", known(&units.states, place - self.mechanical()))
-            }
-            Sets::Speed(place) => ("this velocity", units.rate(known(&units.coordinates, place))),
-        };
+        let (what, unit) = self.measure_of(sets);
         let words = match sets {
             Sets::Parameter(place) => self.parameters.get(place).and_then(|parameter| parameter.unit.as_deref()),
             Sets::Speed(place) if place >= self.mechanical() => {
@@ -134,7 +136,7 @@ impl Model {
             Sets::Coordinate(place) | Sets::Speed(place) => {
                 self.coordinates.get(place).and_then(|coordinate| coordinate.unit.as_deref())
             }
-            Sets::Any | Sets::Frequency | Sets::Time | Sets::Number => None,
+            _ => None,
         };
         let rules = Rules::constant(what).numbers_fit().like(unit).counting(words);
         let mut builder = self.builder();
@@ -153,6 +155,46 @@ impl Model {
         Ok(if cycles { TAU * value } else { value })
     }
 
+    /// What is set, in words, and the unit that it has.
+    fn measure_of(&self, sets: Sets) -> (&'static str, Measure) {
+        let units = &self.scope.units;
+        let known = |units: &[Measure], place: usize| units.get(place).copied().unwrap_or_default();
+        match sets {
+            Sets::Any => ("this option", Measure::Unknown),
+            Sets::Frequency => ("an angular frequency", units.of(Dimension::RATE)),
+            Sets::Time => ("a time", units.of(Dimension::TIME)),
+            Sets::Number => ("this option", Measure::ONE),
+            Sets::Parameter(place) => ("this parameter", known(&units.parameters, place)),
+            Sets::Coordinate(place) => ("this coordinate", known(&units.coordinates, place)),
+            Sets::Speed(place) if place >= self.mechanical() => {
+                ("this state", known(&units.states, place - self.mechanical()))
+            }
+            Sets::Speed(place) => ("this velocity", units.rate(known(&units.coordinates, place))),
+            Sets::Input(place) => ("this input", self.measure_of_input(place)),
+            Sets::Memory(place) => ("this held value", known(&units.memory, place)),
+            Sets::Output(place) => {
+                ("this output", self.outputs.get(place).map_or(Measure::Unknown, |output| output.measure))
+            }
+            Sets::Energy => ("an energy", units.of(Dimension::ENERGY)),
+            Sets::Force => ("a force", units.of(Dimension::FORCE)),
+            Sets::Couple => ("a couple", units.of(Dimension::ENERGY)),
+            Sets::ForceOn(place) => {
+                let coordinate = known(&units.coordinates, place);
+                ("a force on this coordinate", units.of(Dimension::ENERGY).over(coordinate))
+            }
+        }
+    }
+
+    /// The unit of an input; unknown where it is a bare number.
+    fn measure_of_input(&self, place: usize) -> Measure {
+        let mut members = self.scope.names.values().flat_map(|entry| entry.members.values());
+        let item = members.find_map(|member| match member {
+            Member::Input(input, item) if *input as usize == place => Some(*item),
+            _ => None,
+        });
+        item.and_then(|item| self.scope.units.items.get(item)).copied().unwrap_or_default()
+    }
+
     /// What of a body a free parameter is as it stands.
     fn mass_of(&self, place: usize) -> Option<&'static str> {
         let is = |id: Id| matches!(self.graph.node(id), Node::Symbol(Symbol::Parameter(k)) if k as usize == place);
@@ -166,15 +208,16 @@ impl Model {
         self.bodies.iter().find_map(of_body)
     }
 
-    /// The value of a function of time and its first and second derivative, to take an input's place.
+    /// The value of a function of time and its first and second derivative, to take the place of this input, whose unit it has.
     ///
     /// # Errors
     /// What is wrong with it; places are spans of `text`.
-    pub fn signal(&mut self, text: &str) -> Result<[Id; 3], Vec<Problem>> {
+    pub fn signal(&mut self, text: &str, input: usize) -> Result<[Id; 3], Vec<Problem>> {
         let quantity = file::quantity(text, &Place::default())?;
+        let (what, unit) = self.measure_of(Sets::Input(input));
         let mut builder = self.builder();
-        let rules = Rules::signal("an input").numbers_fit();
-        let value = builder.quantity(&self.scope, &quantity, rules, &[]).unwrap_or(Id::ZERO);
+        let rules = Rules::signal(what).numbers_fit().like(unit);
+        let value = builder.setting(&self.scope, &quantity, rules, &[]).unwrap_or(Id::ZERO);
         let rate = builder.rate(value);
         let second = builder.rate(rate);
         self.take_back(builder)?;

@@ -384,8 +384,8 @@ fn drive(loaded: &Loaded, options: &ArgMatches, reader: &mut Reader, model: Mode
         let (text, phase) = text.split_once('<').map_or((text.as_str(), None), |(text, phase)| (text, Some(phase)));
         let (name, amplitude) = text.split_once('=').map_or((text.trim(), "1"), |(name, value)| (name.trim(), value));
         model.can_move(name).map_err(failed)?;
-        let Shaken { drive, label, per } = named(loaded, reader, linear, name)?;
-        let size = reader.value(loaded, "drive", Sets::Any, amplitude)?;
+        let (Shaken { drive, label, per }, sets) = named(loaded, reader, linear, name)?;
+        let size = reader.value(loaded, "drive", sets, amplitude)?;
         let phase = phase.map_or(Ok(0.0), |text| angle(loaded, reader, text))?;
         let times = if size == 1.0 { String::new() } else { format!("{} times ", short(size)) };
         let before = if all.label.is_empty() { String::new() } else { format!("{} and ", all.label) };

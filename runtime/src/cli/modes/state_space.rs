@@ -38,7 +38,7 @@ pub fn of_model(
     let mut drives = Vec::new();
     for name in inputs(loaded, options) {
         model.can_move(&name).map_err(failed)?;
-        let Shaken { drive, label, per } = named(loaded, reader, model.linear(), &name)?;
+        let (Shaken { drive, label, per }, _) = named(loaded, reader, model.linear(), &name)?;
         drives.push(NamedDrive { drive, name: label, unit: per });
     }
     let answers = answers(loaded, options)?;

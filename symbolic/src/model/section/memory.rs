@@ -96,7 +96,7 @@ impl Resolver<'_> {
             let measure = self.scope.units.memory[j];
             let measured = measure.dimension().filter(|dimension| *dimension != Dimension::ONE).map(|d| d.to_string());
             let unit = self.model.memory[j].unit.clone().filter(|unit| unit != "1").or(measured);
-            self.model.outputs.push(Output { name, value: vec![value], unit, of_reactions: false });
+            self.model.outputs.push(Output { name, value: vec![value], unit, measure, of_reactions: false });
         }
     }
 
