@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use clap::ArgMatches;
-use dalembert_symbolic::expr::Symbol;
+use dalembert_symbolic::expr::{Id, Symbol};
 use dalembert_symbolic::file;
 use dalembert_symbolic::gate::{Conservative, Nature, Origin, Report, shared_data};
 use dalembert_symbolic::lower::Program;
@@ -367,8 +367,7 @@ pub fn recognised(program: &Program) -> Vec<String> {
         words.push(format!("{} decoupled subsystems, {run}: {}", parts.len(), parts.join("; ")));
     }
     for (i, momentum) in &s.cyclic {
-        let momentum = dalembert_symbolic::model::text(&program.model, *momentum);
-        let momentum = if momentum.len() > LONGEST_MOMENTUM { String::new() } else { format!(" {momentum}") };
+        let momentum = conserved_momentum(program, *momentum);
         words.push(format!("{} is cyclic, its momentum{momentum} is conserved", name(*i)));
     }
     for direction in s.directions.iter().take(SHOWN_DIRECTIONS) {
@@ -376,8 +375,7 @@ pub fn recognised(program: &Program) -> Vec<String> {
         let ratio: Vec<String> = direction.shift.iter().map(|(_, multiple)| multiple.to_string()).collect();
         let alike = ratio.iter().all(|multiple| *multiple == ratio[0]);
         let how = if alike { "together".to_owned() } else { format!("in the ratio {}", ratio.join(" : ")) };
-        let momentum = dalembert_symbolic::model::text(&program.model, direction.momentum);
-        let momentum = if momentum.len() > LONGEST_MOMENTUM { String::new() } else { format!(" {momentum}") };
+        let momentum = conserved_momentum(program, direction.momentum);
         words.push(format!("{} may be shifted {how}, the momentum{momentum} is conserved", names.join(", ")));
     }
     if let Some(more @ 1..) = s.directions.len().checked_sub(SHOWN_DIRECTIONS) {
@@ -387,6 +385,12 @@ pub fn recognised(program: &Program) -> Vec<String> {
 }
 
 /// Directions of shifts that are listed; a reader sees from so many what kind they are.
+/// A momentum, with a blank before it; nothing where it is long, or would be cut off.
+fn conserved_momentum(program: &Program, momentum: Id) -> String {
+    let text = dalembert_symbolic::model::text(&program.model, momentum);
+    if text.len() > LONGEST_MOMENTUM || text.contains('…') { String::new() } else { format!(" {text}") }
+}
+
 const SHOWN_DIRECTIONS: usize = 5;
 
 /// A momentum of more characters, some ten lines of a terminal, is not written out.

@@ -248,3 +248,14 @@ fn largest_answers_have_the_digits_that_are_printed() {
     let text = of_text("peaks", &text, "modes", &["--drive=x", "--response=f"]).unwrap();
     assert!(text.contains("  f: 1 1/N at all frequencies"), "{text}");
 }
+
+#[test]
+fn reduced_equations_are_printed_in_full() {
+    let path = format!("{}/../models/satellite.yaml", env!("CARGO_MANIFEST_DIR"));
+    let text = program(&["check", &path, "--routh"]).unwrap();
+    assert!(text.contains("    where\n      s1 = ") && !text.contains('…'), "{text}");
+    // Short ones stay in one line each.
+    let path = format!("{}/../models/two_body.yaml", env!("CARGO_MANIFEST_DIR"));
+    let text = program(&["check", &path, "--routh"]).unwrap();
+    assert!(text.contains("goes with its momentum") && !text.contains("    where\n"), "{text}");
+}
