@@ -15,6 +15,7 @@ use super::json::{number, object, write};
 use super::load::{Loaded, ModelFile, derived_for_runs, sizes};
 use super::{Context, Problem, freedoms, routh, symmetries};
 use crate::mechanism::{At, Balances, Interpreted, System};
+use crate::numbers::counted;
 
 /// Derives the model anew and prints the report.
 pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
@@ -70,8 +71,8 @@ fn one(context: Context<'_>, name: &str, options: &ArgMatches, out: &mut dyn Wri
     }
     for agreement in &program.report.agreements {
         let (first, second) = &agreement.between;
-        let (states, worst) = (agreement.states, agreement.worst);
-        writeln!(out, "  {first} and {second} agree at {states} states, worst {worst:.1e}")?;
+        let (states, worst) = (counted(agreement.states, "state"), agreement.worst);
+        writeln!(out, "  {first} and {second} agree at {states}, worst {worst:.1e}")?;
     }
     for (rotation, worst) in &program.report.lengths {
         writeln!(out, "  no acceleration depends on the length of {rotation}, worst {worst:.1e}")?;
@@ -203,9 +204,9 @@ fn looked_at(program: &Program, out: &mut dyn Write) -> Result<(), Problem> {
     let (motion, side) = (from(Origin::Motion), from(Origin::Side));
     writeln!(
         out,
-        "  tested at {} states: {near} near a start, {large} at large, {group} with one group of coordinates moving, \
+        "  tested at {}: {near} near a start, {large} at large, {group} with one group of coordinates moving, \
          {motion} from the motion, {side} where some function changes",
-        report.states.len()
+        counted(report.states.len(), "state")
     )?;
     for (scene, reached, until) in &report.followed {
         if reached < &(until * (1.0 - 1e-9)) {
@@ -322,12 +323,12 @@ fn conditions(program: &Program, source: &str, out: &mut dyn Write) -> Result<()
             1 => "1 reaction component".to_owned(),
             n => format!("{n} reaction components"),
         };
-        let n = system.right.len();
-        let s = if n == 1 { "" } else { "s" };
+        let equations = counted(system.right.len(), "equation");
         writeln!(
             out,
-            "  {}: {n} equation{s}, {unknowns}, {} operations, condition number {low:.1e} to {high:.1e}",
-            system.name, system.operations
+            "  {}: {equations}, {unknowns}, {}, condition number {low:.1e} to {high:.1e}",
+            system.name,
+            counted(system.operations, "operation")
         )?;
     }
     Ok(())
@@ -384,13 +385,13 @@ pub fn recognised(program: &Program) -> Vec<String> {
     words
 }
 
-/// Directions of shifts that are listed; a reader sees from so many what kind they are.
 /// A momentum, with a blank before it; nothing where it is long, or would be cut off.
 fn conserved_momentum(program: &Program, momentum: Id) -> String {
     let text = dalembert_symbolic::model::text(&program.model, momentum);
     if text.len() > LONGEST_MOMENTUM || text.contains('…') { String::new() } else { format!(" {text}") }
 }
 
+/// Directions of shifts that are listed; a reader sees from so many what kind they are.
 const SHOWN_DIRECTIONS: usize = 5;
 
 /// A momentum of more characters, some ten lines of a terminal, is not written out.

@@ -14,6 +14,7 @@ use super::{Context, Problem, families, outputs, stability_maps, value_files};
 use crate::Error;
 use crate::find::Value;
 use crate::mechanism::Goal;
+use crate::numbers::counted;
 use crate::orbit::{Family, Multiplier, Orbit, OrbitSearch, StabilityMap};
 use crate::run::written;
 use crate::show::has_units;
@@ -179,7 +180,8 @@ fn report(loaded: &Loaded, orbit: &Orbit, options: &ArgMatches, out: &mut dyn Wr
         super::json::write(&as_json(loaded, orbit), out)?;
         return Ok(());
     }
-    writeln!(out, "{}: {} Newton steps, {} pieces run", loaded.name, orbit.steps, orbit.runs)?;
+    let (steps, pieces) = (counted(orbit.steps, "Newton step"), counted(orbit.runs, "piece"));
+    writeln!(out, "{}: {steps}, {pieces} run", loaded.name)?;
     // A model without units knows neither seconds nor joules.
     let [second, joule] = if has_units(&orbit.run.description) { [" s", " J"] } else { [""; 2] };
     writeln!(out, "  period = {}{second}", text(&orbit.period))?;

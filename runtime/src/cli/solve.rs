@@ -13,6 +13,7 @@ use super::{Context, Problem, outputs, value_files};
 use crate::error::{Error, NoSlopes, NotFound};
 use crate::find::{Found, Record, Search, Value};
 use crate::mechanism::Coordinate;
+use crate::numbers::counted;
 use crate::run::{plain, written};
 
 /// Searches, and prints what was found.
@@ -150,7 +151,7 @@ fn report(loaded: &Loaded, found: &Found, options: &ArgMatches, out: &mut dyn Wr
         super::json::write(&as_json(loaded, found), out)?;
         return Ok(());
     }
-    writeln!(out, "{}: {} Newton steps, {} runs", loaded.name, found.steps, found.runs)?;
+    writeln!(out, "{}: {}, {}", loaded.name, counted(found.steps, "Newton step"), counted(found.runs, "run"))?;
     for (k, value) in found.values.iter().enumerate() {
         let unit = unit(loaded, &value.name);
         match &found.fit {
@@ -184,7 +185,7 @@ fn report(loaded: &Loaded, found: &Found, options: &ArgMatches, out: &mut dyn Wr
             _ => " of each column's range".to_owned(),
         };
         let sigma = crate::numbers::short(fit.sigma);
-        writeln!(out, "residuals      standard deviation {sigma}{of}, {} degrees of freedom", fit.freedoms)?;
+        writeln!(out, "residuals      standard deviation {sigma}{of}, {}", freedoms(fit.freedoms))?;
     }
     for direction in &found.free {
         let parts: Vec<String> = direction.iter().map(|(name, part)| format!("{name} by {part:.4}")).collect();
@@ -215,6 +216,11 @@ fn multiple_root(found: &Found) -> String {
 
 fn text(value: &Value) -> String {
     written(value.value, if value.error.is_nan() { f64::INFINITY } else { value.error })
+}
+
+/// Degrees of freedom in words.
+fn freedoms(count: usize) -> String {
+    if count == 1 { "1 degree of freedom".to_owned() } else { format!("{count} degrees of freedom") }
 }
 
 /// The unit of something unknown, with a space before it.

@@ -259,3 +259,12 @@ fn reduced_equations_are_printed_in_full() {
     let text = program(&["check", &path, "--routh"]).unwrap();
     assert!(text.contains("goes with its momentum") && !text.contains("    where\n"), "{text}");
 }
+
+#[test]
+fn a_command_that_is_misspelt_is_proposed_after_help_too() {
+    for line in [&["simulat", "x"][..], &["help", "simulat"]] {
+        let error = program(line).unwrap_err();
+        assert!(error.contains("a similar subcommand exists: 'simulate'"), "{error}");
+    }
+    assert!(!program(&["help", "xyzzy"]).unwrap_err().contains("similar"));
+}
