@@ -13,7 +13,7 @@ use super::{Context, Problem, outputs, value_files};
 use crate::error::{Error, NoSlopes, NotFound};
 use crate::find::{Found, Record, Search, Value};
 use crate::mechanism::Coordinate;
-use crate::numbers::counted;
+use crate::numbers::{counted, short_within};
 use crate::run::{plain, written};
 
 /// Searches, and prints what was found.
@@ -160,8 +160,8 @@ fn report(loaded: &Loaded, found: &Found, options: &ArgMatches, out: &mut dyn Wr
                 "  {} = {}{unit}, standard error {}, 95 % within {}",
                 value.name,
                 text(value),
-                crate::numbers::short(fit.standard_errors[k]),
-                crate::numbers::short(fit.within[k])
+                short_within(fit.standard_errors[k], fit.uncertain[k]),
+                short_within(fit.within[k], fit.uncertain[k])
             )?,
             None => writeln!(out, "  {} = {}{unit}", value.name, text(value))?,
         }
@@ -184,7 +184,7 @@ fn report(loaded: &Loaded, found: &Found, options: &ArgMatches, out: &mut dyn Wr
             },
             _ => " of each column's range".to_owned(),
         };
-        let sigma = crate::numbers::short(fit.sigma);
+        let sigma = short_within(fit.sigma, fit.uncertain.last().copied().unwrap_or(f64::NAN));
         writeln!(out, "residuals      standard deviation {sigma}{of}, {}", freedoms(fit.freedoms))?;
     }
     for direction in &found.free {
@@ -249,6 +249,7 @@ fn as_json(loaded: &Loaded, found: &Found) -> Json {
             "sigma": number(fit.sigma),
             "degrees_of_freedom": fit.freedoms,
             "standard_errors": named(&fit.standard_errors),
+            "uncertain": named(&fit.uncertain),
             "within_95_percent": named(&fit.within),
         })
     });

@@ -9,6 +9,7 @@ mod equilibria;
 mod events;
 mod extremes;
 mod false_alarms;
+mod fits;
 mod gaps;
 mod gimbal_lock;
 mod limits;
