@@ -174,3 +174,24 @@ fn pulses_between_reports_are_drawn() {
     assert_eq!([ways(&curves[0]), ways(&curves[1])], [3, 1]);
     assert!(curves[2].len() <= 501, "{}", curves[2].len());
 }
+
+#[test]
+fn runs_of_a_sweep_that_failed_are_counted_in_its_picture() {
+    let text = "name: Sw\nparameters: {F: 1 N, m: 1 kg, k: 1}\ncoordinates: {x: m}\nkinetic_energy: m*x'^2/2\n\
+        generalized_forces: {x: \"-F*k/sqrt(2.5 - k)\"}\nscene: {start: {x: 0.1}, until: 1}\n";
+    let folder = folder("failed");
+    let path = |name: &str| folder.join(name).to_str().expect("a path").to_owned();
+    std::fs::write(path("sw.yaml"), text).expect("a file");
+    let swept = |range: &str| {
+        let (picture, table) = (path("sw.svg"), path("sw.csv"));
+        let outcome = program(&["sweep", &path("sw.yaml"), "--vary", range, "--plot", &picture, "--csv", &table]);
+        (outcome, std::fs::read_to_string(&picture).expect("a picture"))
+    };
+    let (outcome, svg) = swept("k=1..4:7");
+    assert!(outcome.unwrap_err().contains("4 of 7 runs failed") && svg.contains("(4 of 7 runs failed)"));
+    // Where they failed is no end of them: three points are left.
+    let marks = |svg: &str| svg.matches("<circle").count();
+    let (outcome, all) = swept("k=1..2:3");
+    assert!(outcome.is_ok() && !all.contains("failed"));
+    assert_eq!(marks(&svg), marks(&all));
+}
