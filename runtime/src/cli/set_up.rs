@@ -206,6 +206,9 @@ impl Reader {
             && number.is_finite()
         {
             self.degrees(loaded, place, sets, text.trim());
+            if let Sets::Parameter(parameter) = sets {
+                self.whole_seed(loaded, place, parameter, number)?;
+            }
             return Ok(number);
         }
         let parameters = loaded.system.parameters();
@@ -215,6 +218,16 @@ impl Reader {
 }
 
 impl Reader {
+    /// Refuses a value of a parameter that is a seed and no whole number.
+    pub fn whole_seed(&mut self, loaded: &Loaded, place: &str, parameter: usize, value: f64) -> Result<(), Problem> {
+        let seeds = loaded.system.held_noise();
+        if !seeds.iter().any(|noise| noise.seed == Some(parameter as u32)) {
+            return Ok(());
+        }
+        let found = self.model(loaded)?.whole_seed(parameter, value);
+        found.map_err(|problems| Problem::Usage(file::render(place, &value.to_string(), &problems)))
+    }
+
     /// Notes where a bare number for an angle looks like degrees.
     fn degrees(&mut self, loaded: &Loaded, place: &str, sets: Sets, text: &str) {
         let description = loaded.system.description();

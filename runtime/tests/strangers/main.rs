@@ -1,6 +1,7 @@
 //! What went wrong in strangers' hands: each file beside a neighbour that must stay as it is.
 #![cfg(all(feature = "interpret", feature = "cli"))]
 
+mod advice;
 mod angles;
 mod branches;
 mod contacts;

@@ -11,6 +11,8 @@ use super::expression::rules::Rules;
 use super::expression::scope::Member;
 use super::expression::value::Value;
 use super::resolved::Model;
+use super::section::changing_mass::has_steps;
+use super::section::noise::{bad_seed, is_seed};
 use super::section::springs::LENGTH;
 use crate::diagnose::catalogue::{mechanics, names};
 use crate::diagnose::{Place, Problem};
@@ -150,9 +152,18 @@ impl Model {
         {
             return Err(vec![mechanics::value_out_of_range(Place::default(), what, "positive or 0", value)]);
         }
+        if let Sets::Parameter(place) = sets {
+            self.whole_seed(place, value)?;
+        }
         let in_hertz = |unit: &str| unit.ends_with("Hz") && unit.chars().all(char::is_alphabetic);
         let cycles = sets == Sets::Frequency && quantity.unit.is_some_and(|(unit, _)| in_hertz(unit.trim()));
         Ok(if cycles { TAU * value } else { value })
+    }
+
+    /// Whether an expression contains an input.
+    fn has_input(&self, value: Id, input: usize) -> bool {
+        let is = |symbol: Symbol| matches!(symbol, Symbol::Input(place, _) if place as usize == input);
+        self.graph.symbols([value]).into_iter().any(is)
     }
 
     /// What is set, in words, and the unit that it has.
@@ -195,6 +206,18 @@ impl Model {
         item.and_then(|item| self.scope.units.items.get(item)).copied().unwrap_or_default()
     }
 
+    /// A parameter that is a seed of noise is a whole number.
+    ///
+    /// # Errors
+    /// That this one is none.
+    pub fn whole_seed(&self, parameter: usize, value: f64) -> Result<(), Vec<Problem>> {
+        let of = self.noise.iter().find(|noise| noise.seed == Some(parameter as u32));
+        match of {
+            Some(noise) if !is_seed(value) => Err(vec![bad_seed(Place::default(), &noise.name, &value.to_string())]),
+            _ => Ok(()),
+        }
+    }
+
     /// What of a body a free parameter is as it stands.
     fn mass_of(&self, place: usize) -> Option<&'static str> {
         let is = |id: Id| matches!(self.graph.node(id), Node::Symbol(Symbol::Parameter(k)) if k as usize == place);
@@ -221,6 +244,11 @@ impl Model {
         let rate = builder.rate(value);
         let second = builder.rate(rate);
         self.take_back(builder)?;
+        if has_steps(&self.graph, value)
+            && let Some(body) = self.bodies.iter().find(|body| self.has_input(body.mass, input))
+        {
+            return Err(vec![mechanics::mass_jumps(Place::default(), &body.name)]);
+        }
         Ok([value, rate, second])
     }
 
