@@ -69,3 +69,39 @@ fn masses_do_not_jump_by_inputs() {
     let force = format!("{RAW}inputs: {{u: 0*m*far/T^2}}\ngeneralized_forces: {{x: u}}\n");
     told(&force, "simulate", &["--no-digits", "--input", "u=step(t - 0.3)"]).unwrap();
 }
+
+#[test]
+fn remainders_and_powers_are_written_as_is_said() {
+    let output = |value: &str| format!("{RAW}outputs: {{r: \"{value}\"}}\n");
+    let remainder = "b/(2*pi)*atan2(sin(2*pi*x/b), cos(2*pi*x/b))";
+    refused("E107", "b/(2*pi)*atan2(sin(2*pi*a/b), cos(2*pi*a/b))", &output("x%b"), &output(remainder));
+    // At 3.8 m, by 2 m.
+    let text = told(&output(remainder), "simulate", &[]).unwrap();
+    assert!(text.contains("  r = -0.2000000000") || text.contains("  r = -0.1999999999"), "{text}");
+    for right in ["x^64*x", "(x^32)^4", "1/(x^64*x)"] {
+        refused("E230", "`x^64*x` or `(x^32)^4`", &output("x^65"), &output(right));
+    }
+}
+
+#[test]
+fn names_that_are_proposed_may_stand_there() {
+    let event = |memory: &str| format!("{RAW}{memory}events: {{e: {{on_set: n, then: stop}}}}\n");
+    refused("E201", "`memory: {n: 0}`", &event(""), &event("memory: {n: 0}\n"));
+    let error = told(&format!("{RAW}outputs: {{r: sinn}}\n"), "check", &[]).unwrap_err();
+    assert!(error.contains("did you mean `sin(…)`?"), "{error}");
+    // No time and no coordinate where a parameter's value is wanted.
+    for name in ["tt", "xx"] {
+        let error = told(&format!("{RAW}define: {{q: {name}}}\n"), "check", &[]).unwrap_err();
+        assert!(error.contains("did you mean"), "{error}");
+        let error = told(&format!("{RAW}sample: {{x: [0, {name}]}}\n"), "check", &[]).unwrap_err();
+        assert!(error.contains("unknown name") && !error.contains("did you mean"), "{error}");
+    }
+    // What commas tore apart is no key given twice.
+    let torn = format!("{RAW}outputs: {{r: atan2(x, b), q: max(x, b, b)}}\n");
+    refused(
+        "E002",
+        "in double quotes",
+        &torn,
+        &torn.replace("atan2(x, b)", "\"atan2(x, b)\"").replace("max(x, b, b)", "\"max(x, b, b)\""),
+    );
+}
