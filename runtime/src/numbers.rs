@@ -52,9 +52,19 @@ pub fn short_beside(x: f64, scale: f64) -> String {
     if x.abs() <= 1e-12 * scale.abs() { "0".to_owned() } else { short(x) }
 }
 
+/// How many there are of something, by its name in the singular: `1 step`, `2 steps`.
+pub(crate) fn counted(count: usize, one: &str) -> String {
+    if count == 1 { format!("1 {one}") } else { format!("{count} {one}s") }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn one_is_no_plural() {
+        assert_eq!([0, 1, 2].map(|count| counted(count, "step")), ["0 steps", "1 step", "2 steps"]);
+    }
 
     #[test]
     fn numbers_are_short_and_lose_nothing_that_matters() {

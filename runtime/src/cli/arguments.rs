@@ -1,8 +1,12 @@
 //! What may stand on the command line.
 
+use std::ffi::OsString;
+
 use clap::builder::PossibleValuesParser;
-use clap::{Arg, ArgAction, ArgGroup, Command, ValueHint};
+use clap::error::{ContextKind, ContextValue};
+use clap::{Arg, ArgAction, ArgGroup, ArgMatches, Command, ValueHint};
 use clap_complete::Shell;
+use dalembert_symbolic::diagnose::nearest;
 
 /// The whole grammar.
 pub fn command() -> Command {
@@ -86,6 +90,21 @@ pub fn command() -> Command {
                         .help("bash, elvish, fish, powershell or zsh"),
                 ),
         )
+}
+
+/// What the arguments say (the first is the program's name); where no command has a name, with the nearest that one has, after `help` too.
+pub fn parsed(arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>) -> Result<ArgMatches, clap::Error> {
+    command().try_get_matches_from(arguments).map_err(|mut error| {
+        if let Some(ContextValue::String(name)) = error.get(ContextKind::InvalidSubcommand)
+            && error.get(ContextKind::SuggestedSubcommand).is_none()
+        {
+            let grammar = command();
+            let near = nearest(name, grammar.get_subcommands().map(Command::get_name)).map(str::to_owned);
+            let near = near.map(|near| ContextValue::Strings(vec![near]));
+            near.and_then(|near| error.insert(ContextKind::SuggestedSubcommand, near));
+        }
+        error
+    })
 }
 
 /// What the program ends with.

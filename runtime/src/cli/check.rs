@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use clap::ArgMatches;
-use dalembert_symbolic::expr::Symbol;
+use dalembert_symbolic::expr::{Id, Symbol};
 use dalembert_symbolic::file;
 use dalembert_symbolic::gate::{Conservative, Nature, Origin, Report, shared_data};
 use dalembert_symbolic::lower::Program;
@@ -15,6 +15,7 @@ use super::json::{number, object, write};
 use super::load::{Loaded, ModelFile, derived_for_runs, sizes};
 use super::{Context, Problem, freedoms, routh, symmetries};
 use crate::mechanism::{At, Balances, Interpreted, System};
+use crate::numbers::counted;
 
 /// Derives the model anew and prints the report.
 pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
@@ -70,8 +71,8 @@ fn one(context: Context<'_>, name: &str, options: &ArgMatches, out: &mut dyn Wri
     }
     for agreement in &program.report.agreements {
         let (first, second) = &agreement.between;
-        let (states, worst) = (agreement.states, agreement.worst);
-        writeln!(out, "  {first} and {second} agree at {states} states, worst {worst:.1e}")?;
+        let (states, worst) = (counted(agreement.states, "state"), agreement.worst);
+        writeln!(out, "  {first} and {second} agree at {states}, worst {worst:.1e}")?;
     }
     for (rotation, worst) in &program.report.lengths {
         writeln!(out, "  no acceleration depends on the length of {rotation}, worst {worst:.1e}")?;
@@ -203,9 +204,9 @@ fn looked_at(program: &Program, out: &mut dyn Write) -> Result<(), Problem> {
     let (motion, side) = (from(Origin::Motion), from(Origin::Side));
     writeln!(
         out,
-        "  tested at {} states: {near} near a start, {large} at large, {group} with one group of coordinates moving, \
+        "  tested at {}: {near} near a start, {large} at large, {group} with one group of coordinates moving, \
          {motion} from the motion, {side} where some function changes",
-        report.states.len()
+        counted(report.states.len(), "state")
     )?;
     for (scene, reached, until) in &report.followed {
         if reached < &(until * (1.0 - 1e-9)) {
@@ -322,12 +323,12 @@ fn conditions(program: &Program, source: &str, out: &mut dyn Write) -> Result<()
             1 => "1 reaction component".to_owned(),
             n => format!("{n} reaction components"),
         };
-        let n = system.right.len();
-        let s = if n == 1 { "" } else { "s" };
+        let equations = counted(system.right.len(), "equation");
         writeln!(
             out,
-            "  {}: {n} equation{s}, {unknowns}, {} operations, condition number {low:.1e} to {high:.1e}",
-            system.name, system.operations
+            "  {}: {equations}, {unknowns}, {}, condition number {low:.1e} to {high:.1e}",
+            system.name,
+            counted(system.operations, "operation")
         )?;
     }
     Ok(())
@@ -367,8 +368,7 @@ pub fn recognised(program: &Program) -> Vec<String> {
         words.push(format!("{} decoupled subsystems, {run}: {}", parts.len(), parts.join("; ")));
     }
     for (i, momentum) in &s.cyclic {
-        let momentum = dalembert_symbolic::model::text(&program.model, *momentum);
-        let momentum = if momentum.len() > LONGEST_MOMENTUM { String::new() } else { format!(" {momentum}") };
+        let momentum = conserved_momentum(program, *momentum);
         words.push(format!("{} is cyclic, its momentum{momentum} is conserved", name(*i)));
     }
     for direction in s.directions.iter().take(SHOWN_DIRECTIONS) {
@@ -376,14 +376,19 @@ pub fn recognised(program: &Program) -> Vec<String> {
         let ratio: Vec<String> = direction.shift.iter().map(|(_, multiple)| multiple.to_string()).collect();
         let alike = ratio.iter().all(|multiple| *multiple == ratio[0]);
         let how = if alike { "together".to_owned() } else { format!("in the ratio {}", ratio.join(" : ")) };
-        let momentum = dalembert_symbolic::model::text(&program.model, direction.momentum);
-        let momentum = if momentum.len() > LONGEST_MOMENTUM { String::new() } else { format!(" {momentum}") };
+        let momentum = conserved_momentum(program, direction.momentum);
         words.push(format!("{} may be shifted {how}, the momentum{momentum} is conserved", names.join(", ")));
     }
     if let Some(more @ 1..) = s.directions.len().checked_sub(SHOWN_DIRECTIONS) {
         words.push(format!("{more} more directions in which coordinates may be shifted together"));
     }
     words
+}
+
+/// A momentum, with a blank before it; nothing where it is long, or would be cut off.
+fn conserved_momentum(program: &Program, momentum: Id) -> String {
+    let text = dalembert_symbolic::model::text(&program.model, momentum);
+    if text.len() > LONGEST_MOMENTUM || text.contains('…') { String::new() } else { format!(" {text}") }
 }
 
 /// Directions of shifts that are listed; a reader sees from so many what kind they are.

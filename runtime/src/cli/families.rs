@@ -9,7 +9,7 @@ use super::Problem;
 use super::json::{number, object};
 use super::load::Loaded;
 use super::orbit::{json_multipliers, multipliers};
-use crate::numbers::short;
+use crate::numbers::{counted, short};
 use crate::orbit::{Family, Member, OrbitChange, Threshold};
 use crate::run::written;
 
@@ -19,8 +19,8 @@ pub fn report(loaded: &Loaded, family: &Family, options: &ArgMatches, out: &mut 
         super::json::write(&as_json(loaded, family), out)?;
         return Ok(());
     }
-    let (count, map) = (family.members.len(), family.map_in_words());
-    writeln!(out, "{}: {count} motions by `{}`; multipliers of {map}", loaded.name, family.name)?;
+    let (count, map) = (counted(family.members.len(), "motion"), family.map_in_words());
+    writeln!(out, "{}: {count} by `{}`; multipliers of {map}", loaded.name, family.name)?;
     writeln!(out, "  {:>14}  {:>14}  {:<8}  multipliers", family.name, "period, s", "")?;
     for member in &family.members {
         let grows = member.multipliers.iter().any(|multiplier| multiplier.grows());

@@ -110,7 +110,7 @@ fn command(
     arguments: impl IntoIterator<Item = impl Into<std::ffi::OsString> + Clone>,
     out: &mut dyn std::io::Write,
 ) -> Result<(), Problem> {
-    let matches = match arguments::command().try_get_matches_from(arguments) {
+    let matches = match arguments::parsed(arguments) {
         Ok(matches) => matches,
         Err(error) if !error.use_stderr() => {
             write!(out, "{error}")?;

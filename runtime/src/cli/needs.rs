@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use super::json::{self, number, object};
 use super::load::{Loaded, folder, pairs};
-use super::set_up::{Reader, parameter_index};
+use super::set_up::{Reader, like_output, parameter_index};
 use super::{Context, Problem, outputs, value_files};
 use crate::needs::{Deviation, ModelReduction, Need, Needs, NeedsError, NeedsRequest, Proposal, Verdict};
 use crate::precision::Verified;
@@ -242,12 +242,7 @@ fn named(loaded: &mut Loaded, names: &str) -> Result<Named, Problem> {
             None => outputs.push(name.to_owned()),
             Some((name, amount)) => {
                 let name = name.trim();
-                let place = |name: &str| loaded.system.description().coordinates.iter().position(|c| *c.name == *name);
-                let sets = match (place(name), name.strip_suffix('\'').and_then(place)) {
-                    (Some(k), _) => Sets::Coordinate(k),
-                    (None, Some(k)) => Sets::Speed(k),
-                    (None, None) => Sets::Any,
-                };
+                let sets = like_output(loaded, name).unwrap_or(Sets::Any);
                 absolute.push((name.to_owned(), reader.value(loaded, "needs", sets, amount.trim())?));
             }
         }

@@ -14,6 +14,7 @@ use super::{Context, Problem, families, outputs, stability_maps, value_files};
 use crate::Error;
 use crate::find::Value;
 use crate::mechanism::Goal;
+use crate::numbers::counted;
 use crate::orbit::{Family, Multiplier, Orbit, OrbitSearch, StabilityMap};
 use crate::run::written;
 use crate::show::has_units;
@@ -64,7 +65,7 @@ fn varied(search: OrbitSearch, loaded: &Loaded, options: &ArgMatches, text: &str
     let mut reader = Reader::new(loaded);
     let mut value = |text: &str| {
         let is_parameter = loaded.system.description().parameters.iter().any(|parameter| parameter.name == name);
-        let sets = if is_parameter { Sets::Parameter(parameter_index(loaded, name)?) } else { Sets::Any };
+        let sets = if is_parameter { Sets::Parameter(parameter_index(loaded, name)?) } else { Sets::Energy };
         reader.value(loaded, "vary", sets, text)
     };
     let values: Vec<f64> = match range.split_once("..") {
@@ -144,15 +145,20 @@ fn described(mut search: OrbitSearch, loaded: &Loaded, options: &ArgMatches) -> 
                 "error: --from wants `mode` and its number, as `mode 2`, not `{text}`"
             )));
         };
-        let amplitude = options.get_one::<String>("amplitude");
-        let amplitude = amplitude.map_or(Ok(AMPLITUDE), |text| reader.value(loaded, "amplitude", Sets::Any, text))?;
+        let amplitude = match options.get_one::<String>("amplitude") {
+            None => AMPLITUDE,
+            Some(text) => {
+                let moved = search.most_moved(mode).map_err(|error| problem(&error))?;
+                reader.value(loaded, "amplitude", Sets::Coordinate(moved), text)?
+            }
+        };
         search = search.from_mode(mode, amplitude);
     }
     if options.get_flag("here") {
         search = search.at_rest();
     }
     if let Some(text) = options.get_one::<String>("energy") {
-        search = search.energy(reader.value(loaded, "energy", Sets::Any, text)?);
+        search = search.energy(reader.value(loaded, "energy", Sets::Energy, text)?);
     }
     if let Some(legs) = options.get_one::<u64>("segments") {
         search = search.legs(*legs as usize);
@@ -174,7 +180,8 @@ fn report(loaded: &Loaded, orbit: &Orbit, options: &ArgMatches, out: &mut dyn Wr
         super::json::write(&as_json(loaded, orbit), out)?;
         return Ok(());
     }
-    writeln!(out, "{}: {} Newton steps, {} pieces run", loaded.name, orbit.steps, orbit.runs)?;
+    let (steps, pieces) = (counted(orbit.steps, "Newton step"), counted(orbit.runs, "piece"));
+    writeln!(out, "{}: {steps}, {pieces} run", loaded.name)?;
     // A model without units knows neither seconds nor joules.
     let [second, joule] = if has_units(&orbit.run.description) { [" s", " J"] } else { [""; 2] };
     writeln!(out, "  period = {}{second}", text(&orbit.period))?;

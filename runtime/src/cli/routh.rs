@@ -2,8 +2,9 @@
 
 use std::fmt::Write;
 
+use dalembert_symbolic::expr::Id;
 use dalembert_symbolic::lower::{Ignored, NotReduced, Program, Reduced, routh};
-use dalembert_symbolic::model::text;
+use dalembert_symbolic::print::in_full;
 
 /// What is left of the equations, how many operations that takes, and how closely it is the same motion.
 pub fn lines(program: &Program) -> String {
@@ -37,27 +38,35 @@ fn report(program: &Program, reduced: &Reduced) -> String {
         if kept.len() == 1 { "is" } else { "are" },
         names(&mut kept.iter().copied())
     );
-    for c in ignored {
+    let of_ignored = ignored.iter().flat_map(|c| [c.momentum, c.rate]);
+    let roots: Vec<Id> =
+        of_ignored.chain(mass.iter().map(|(_, _, value)| *value)).chain(bias.iter().copied()).collect();
+    let (formulas, parts) = in_full(model, &roots);
+    let (of_ignored, of_rest) = formulas.split_at(2 * ignored.len());
+    let (of_mass, of_bias) = of_rest.split_at(mass.len());
+    for (c, formulas) in ignored.iter().zip(of_ignored.chunks(2)) {
         let counted = if c.shift.len() > 1 { format!("; {}", counted(program, c)) } else { String::new() };
         let constant = &model.parameters[c.parameter].name;
-        let _ = writeln!(
-            out,
-            "    {} goes with its momentum {constant} = {}{counted}",
-            name(c.coordinate),
-            text(model, c.momentum)
-        );
+        let _ =
+            writeln!(out, "    {} goes with its momentum {constant} = {}{counted}", name(c.coordinate), formulas[0]);
     }
     out += "    M s'' + h = 0, with\n";
-    for (i, j, value) in mass {
-        let _ = writeln!(out, "      M[{}, {}] = {}", name(kept[*i]), name(kept[*j]), text(model, *value));
+    for ((i, j, _), formula) in mass.iter().zip(of_mass) {
+        let _ = writeln!(out, "      M[{}, {}] = {formula}", name(kept[*i]), name(kept[*j]));
     }
-    for (i, value) in kept.iter().zip(bias) {
-        let _ = writeln!(out, "      h[{}] = {}", name(*i), text(model, *value));
+    for (i, formula) in kept.iter().zip(of_bias) {
+        let _ = writeln!(out, "      h[{}] = {formula}", name(*i));
     }
     out += "    and by quadrature\n";
-    for c in ignored {
+    for (c, formulas) in ignored.iter().zip(of_ignored.chunks(2)) {
         let left = if c.own() == 1 { String::new() } else { format!("/{}", c.own()) };
-        let _ = writeln!(out, "      {}'{left} = {}", name(c.coordinate), text(model, c.rate));
+        let _ = writeln!(out, "      {}'{left} = {}", name(c.coordinate), formulas[1]);
+    }
+    if !parts.is_empty() {
+        out += "    where\n";
+    }
+    for (part, formula) in parts {
+        let _ = writeln!(out, "      {part} = {formula}");
     }
     let full = program.counts.accelerations;
     let _ = writeln!(

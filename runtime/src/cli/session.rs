@@ -213,7 +213,7 @@ impl Simulated {
 }
 
 fn matches(line: Vec<String>) -> Result<ArgMatches, Problem> {
-    let matches = arguments::command().try_get_matches_from(line).map_err(|e| Problem::Usage(e.to_string()))?;
+    let matches = arguments::parsed(line).map_err(|e| Problem::Usage(e.to_string()))?;
     let chosen = matches.subcommand().map(|(_, options)| options.clone());
     chosen.ok_or_else(|| Problem::Usage("error: no command is given".to_owned()))
 }

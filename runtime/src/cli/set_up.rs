@@ -189,7 +189,7 @@ impl Reader {
         let mut found = Vec::new();
         for (name, text) in pairs(options, option)? {
             if let Some(place) = loaded.system.sampling().place_of(&name) {
-                found.push((place, self.value(loaded, option, Sets::Any, &text)?));
+                found.push((place, self.value(loaded, option, Sets::Memory(place), &text)?));
             }
         }
         Ok(found)
@@ -206,6 +206,9 @@ impl Reader {
             && number.is_finite()
         {
             self.degrees(loaded, place, sets, text.trim());
+            if let Sets::Parameter(parameter) = sets {
+                self.whole_seed(loaded, place, parameter, number)?;
+            }
             return Ok(number);
         }
         let parameters = loaded.system.parameters();
@@ -215,6 +218,16 @@ impl Reader {
 }
 
 impl Reader {
+    /// Refuses a value of a parameter that is a seed and no whole number.
+    pub fn whole_seed(&mut self, loaded: &Loaded, place: &str, parameter: usize, value: f64) -> Result<(), Problem> {
+        let seeds = loaded.system.held_noise();
+        if !seeds.iter().any(|noise| noise.seed == Some(parameter as u32)) {
+            return Ok(());
+        }
+        let found = self.model(loaded)?.whole_seed(parameter, value);
+        found.map_err(|problems| Problem::Usage(file::render(place, &value.to_string(), &problems)))
+    }
+
     /// Notes where a bare number for an angle looks like degrees.
     fn degrees(&mut self, loaded: &Loaded, place: &str, sets: Sets, text: &str) {
         let description = loaded.system.description();
@@ -232,6 +245,19 @@ impl Reader {
             }
         }
     }
+}
+
+/// What a value sets that an output of this name has; of a coordinate or a rate, that.
+pub fn like_output(loaded: &Loaded, name: &str) -> Result<Sets, Problem> {
+    let outputs = &loaded.system.description().outputs;
+    let of = name.split('.').next().unwrap_or(name);
+    if let Some(place) = outputs.iter().position(|output| output.name == name || output.name == of) {
+        return Ok(Sets::Output(place));
+    }
+    Ok(match place_in_state(loaded, name)? {
+        Place::Coordinate(index) => Sets::Coordinate(index),
+        Place::Speed(index) => Sets::Speed(index),
+    })
 }
 
 /// A bare number with the unit that stands once for several: in `20..40 deg` and `10, 20, 30 deg` at the last.
@@ -256,7 +282,7 @@ fn set_input(loaded: &mut Loaded, reader: &mut Reader, name: &str, text: &str) -
     };
     let parameters = loaded.system.parameters();
     let model = reader.model(loaded)?;
-    let signal = model.signal(text).map_err(|problems| in_option("input", text, &problems))?;
+    let signal = model.signal(text, index).map_err(|problems| in_option("input", text, &problems))?;
     if model.is_local(&signal) {
         // Its discontinuities and narrow features are followed as those of the file's own inputs.
         model.inputs[index].signal = signal;

@@ -8,11 +8,12 @@ use serde_json::{Value as Json, json};
 
 use super::json::{number, object};
 use super::load::{Loaded, listed_pairs};
-use super::set_up::{Place, Reader, for_search, motion_index, parameter_index, place_in_state};
+use super::set_up::{Place, Reader, for_search, like_output, motion_index, parameter_index, place_in_state};
 use super::{Context, Problem, outputs, value_files};
 use crate::error::{Error, NoSlopes, NotFound};
 use crate::find::{Found, Record, Search, Value};
 use crate::mechanism::Coordinate;
+use crate::numbers::{counted, short_within};
 use crate::run::{plain, written};
 
 /// Searches, and prints what was found.
@@ -72,15 +73,14 @@ const HALF: &str =
 fn read(reader: &mut Reader, loaded: &Loaded, option: &str, (name, text): (&str, &str)) -> Result<f64, Problem> {
     let description = loaded.system.description();
     let is_parameter = description.parameters.iter().any(|parameter| parameter.name == name);
-    let is_output = description.outputs.iter().any(|output| name.split('.').next() == Some(&*output.name));
     let sets = match option {
         "unknown" if name == "until" => Sets::Time,
         "unknown" if is_parameter => Sets::Parameter(parameter_index(loaded, name)?),
-        option if option != "unknown" && is_output => Sets::Any,
-        _ => match place_in_state(loaded, name)? {
+        "unknown" => match place_in_state(loaded, name)? {
             Place::Coordinate(index) => Sets::Coordinate(index),
             Place::Speed(index) => Sets::Speed(index),
         },
+        _ => like_output(loaded, name)?,
     };
     reader.value(loaded, option, sets, text)
 }
@@ -151,7 +151,7 @@ fn report(loaded: &Loaded, found: &Found, options: &ArgMatches, out: &mut dyn Wr
         super::json::write(&as_json(loaded, found), out)?;
         return Ok(());
     }
-    writeln!(out, "{}: {} Newton steps, {} runs", loaded.name, found.steps, found.runs)?;
+    writeln!(out, "{}: {}, {}", loaded.name, counted(found.steps, "Newton step"), counted(found.runs, "run"))?;
     for (k, value) in found.values.iter().enumerate() {
         let unit = unit(loaded, &value.name);
         match &found.fit {
@@ -160,8 +160,8 @@ fn report(loaded: &Loaded, found: &Found, options: &ArgMatches, out: &mut dyn Wr
                 "  {} = {}{unit}, standard error {}, 95 % within {}",
                 value.name,
                 text(value),
-                crate::numbers::short(fit.standard_errors[k]),
-                crate::numbers::short(fit.within[k])
+                short_within(fit.standard_errors[k], fit.uncertain[k]),
+                short_within(fit.within[k], fit.uncertain[k])
             )?,
             None => writeln!(out, "  {} = {}{unit}", value.name, text(value))?,
         }
@@ -184,8 +184,8 @@ fn report(loaded: &Loaded, found: &Found, options: &ArgMatches, out: &mut dyn Wr
             },
             _ => " of each column's range".to_owned(),
         };
-        let sigma = crate::numbers::short(fit.sigma);
-        writeln!(out, "residuals      standard deviation {sigma}{of}, {} degrees of freedom", fit.freedoms)?;
+        let sigma = short_within(fit.sigma, fit.uncertain.last().copied().unwrap_or(f64::NAN));
+        writeln!(out, "residuals      standard deviation {sigma}{of}, {}", freedoms(fit.freedoms))?;
     }
     for direction in &found.free {
         let parts: Vec<String> = direction.iter().map(|(name, part)| format!("{name} by {part:.4}")).collect();
@@ -218,6 +218,11 @@ fn text(value: &Value) -> String {
     written(value.value, if value.error.is_nan() { f64::INFINITY } else { value.error })
 }
 
+/// Degrees of freedom in words.
+fn freedoms(count: usize) -> String {
+    if count == 1 { "1 degree of freedom".to_owned() } else { format!("{count} degrees of freedom") }
+}
+
 /// The unit of something unknown, with a space before it.
 fn unit(loaded: &Loaded, name: &str) -> String {
     let description = loaded.system.description();
@@ -244,6 +249,7 @@ fn as_json(loaded: &Loaded, found: &Found) -> Json {
             "sigma": number(fit.sigma),
             "degrees_of_freedom": fit.freedoms,
             "standard_errors": named(&fit.standard_errors),
+            "uncertain": named(&fit.uncertain),
             "within_95_percent": named(&fit.within),
         })
     });

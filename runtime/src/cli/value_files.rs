@@ -105,10 +105,10 @@ pub fn start(loaded: &Loaded, reader: &mut Reader, path: &str, settings: &mut Se
                 ticks[clock] = number;
             }
             name if loaded.system.sampling().place_of(name).is_some() => {
-                let value = reader.value_at(loaded, &place, Sets::Any, &text)?;
+                let held = loaded.system.sampling().place_of(name).unwrap_or_default();
+                let value = reader.value_at(loaded, &place, Sets::Memory(held), &text)?;
                 let memory = settings.memory.get_or_insert_default();
-                let held = loaded.system.sampling().place_of(name).and_then(|held| memory.get_mut(held));
-                held.into_iter().for_each(|held| *held = value);
+                memory.get_mut(held).into_iter().for_each(|held| *held = value);
             }
             _ => match place_in_state(loaded, &name)? {
                 Place::Coordinate(index) => {

@@ -16,6 +16,7 @@ pub use not_found::NotFound;
 
 use crate::cause::{Cause, NoSeries};
 use crate::mechanism::Method;
+use crate::numbers::counted;
 use crate::run::{Failure, Run};
 
 /// A setting that makes no sense, or a run that could not go on.
@@ -228,7 +229,8 @@ impl fmt::Display for Error {
                 )
             }
             Error::WrongLength { setting, given, expected } => {
-                write!(f, "`{setting}` has {given} numbers; the mechanism has {expected} coordinates")
+                let (given, expected) = (counted(*given, "number"), counted(*expected, "coordinate"));
+                write!(f, "`{setting}` has {given}; the mechanism has {expected}")
             }
             Error::UnknownName { kind, name, known } => {
                 write!(f, "no {kind} is called `{name}`")?;

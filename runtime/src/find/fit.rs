@@ -3,6 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::found::Found;
+use super::least::{Spread, in_units};
+use super::newton::Linearised;
 use super::search::{Equations, Seeker};
 use super::trial::Trial;
 use crate::error::{Error, NotFound};
@@ -41,6 +43,8 @@ pub struct Fit {
     pub freedoms: usize,
     /// Standard errors of the values that were found, SI.
     pub standard_errors: Vec<f64>,
+    /// How far these, and sigma as the last of all, may be off, in parts of each, by what runs at another tolerance and the last step say.
+    pub uncertain: Vec<f64>,
     /// Half the width of the intervals that hold 95 % of the probability, by Student's t, SI.
     pub within: Vec<f64>,
     /// Their covariances, SI.
@@ -65,20 +69,16 @@ pub(super) fn fit(seeker: &mut Seeker, guess: &[f64], record: &Record, places: &
     // In logarithms of the unknowns.
     let own = seeker.scales(&solution.values, &solution.values);
     let factors = own.iter().zip(&scales).map(|(own, scale)| own / scale).collect::<Vec<f64>>();
-    let scaled =
-        DMatrix::from_fn(solution.equations.j.nrows(), factors.len(), |i, k| solution.equations.j[(i, k)] * factors[k]);
-    let linear = super::newton::Linearised::new(&scaled);
+    let linear = Linearised::new(&in_units(&solution.equations.j, &factors));
     if let Some(direction) = linear.free().first() {
         let direction = seeker.names.iter().cloned().zip(direction.iter().copied()).collect();
         return Err(NotFound::NotIdentified { direction }.into());
     }
-    let errors = seeker.errors(&solution, &scales, None, &equations);
-    let (count, unknowns) = (solution.equations.r.len(), guess.len());
-    let freedoms = count - unknowns;
-    let variance = solution.equations.r.norm_squared() / freedoms as f64;
-    let covariance =
-        DMatrix::from_fn(unknowns, unknowns, |i, k| own[i] * own[k]).component_mul(&linear.covariance()) * variance;
-    let standard_errors: Vec<f64> = (0..unknowns).map(|k| covariance[(k, k)].sqrt()).collect();
+    let spread = |equations: &Equations| Spread::of(equations, &factors, &own);
+    let (solution, least) = seeker.least(solution, &scales, (&equations, &spread));
+    let (errors, uncertain) = seeker.errors_of_least(&solution, &scales, &least, (&equations, &spread));
+    let Spread { variance, covariance, standard_errors } = spread(&solution.equations);
+    let freedoms = solution.equations.r.len() - guess.len();
     let quantile = student(freedoms);
     let length = record.times.len();
     let left = sizes
@@ -91,6 +91,7 @@ pub(super) fn fit(seeker: &mut Seeker, guess: &[f64], record: &Record, places: &
         freedoms,
         within: standard_errors.iter().map(|error| quantile * error).collect(),
         standard_errors,
+        uncertain,
         covariance,
         residuals: left.collect(),
     };

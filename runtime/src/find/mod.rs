@@ -6,13 +6,14 @@
 //! 3. Conditions are met, and records followed, by shortest Gauss-Newton steps: look in `newton.rs`; largest and smallest values are found
 //!    by Newton's steps on exact gradients: `extreme.rs`.
 //! 4. Where slopes vanish at a root, fewer digits hold: `multiple.rs`; how many hold at all: `errors.rs`.
-//! 5. What is found: `found.rs`; how well a record determines it: `fit.rs`.
+//! 5. What is found: `found.rs`; how well a record determines it: `fit.rs`; where residuals stay, by the slopes of the gradient: `least.rs`.
 
 mod asked;
 mod errors;
 mod extreme;
 mod fit;
 mod found;
+mod least;
 mod multiple;
 mod newton;
 mod search;

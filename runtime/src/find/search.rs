@@ -52,7 +52,7 @@ pub(super) const STEPS: usize = 60;
 /// A step is shortened by halves at most so often.
 pub(super) const HALVES: usize = 14;
 /// Steps of this size, in parts of the unknowns, are rounding of runs at the tightest tolerance.
-const LEAST: f64 = 1e-14;
+pub(super) const LEAST: f64 = 1e-14;
 /// Conditions that are missed by this part of what is wanted of them, or of what the motion makes of them, are not met: the
 /// steps end where rounding does, some six decades below.
 pub(super) const MISSED: f64 = 1e-7;

@@ -47,7 +47,7 @@ impl Source {
     pub fn second(&mut self, values: &[f64], first: &Trial) -> Option<Second<Trial>> {
         let settings = self.settings.clone();
         let again = |other: &Settings| self.try_with(values, other.clone());
-        second(&first.varied.run, &settings, again, |trial| &trial.varied.run)
+        second(&first.varied, &settings, again, |trial| &trial.varied)
     }
 
     fn try_with(&mut self, values: &[f64], mut settings: Settings) -> Result<Trial, Error> {

@@ -59,8 +59,8 @@ pub use equilibrium::{SampledLoop, StateSpace, linearise_sampled, linearise_stat
 #[cfg(feature = "cli")]
 pub(crate) use forced::turned;
 pub use forced::{
-    Drive, Harmonic, InputOutput, Measured, Motion, NamedDrive, Observed, Response, Source, Steady, Unreached, beat,
-    bode, linearise_instant, measure, observe, solvemode, solvenorm, solvenum,
+    Drive, Harmonic, InputOutput, Measured, Motion, NamedDrive, Observed, Peak, Response, Source, Steady, Unreached,
+    beat, bode, linearise_instant, measure, observe, solvemode, solvenorm, solvenum,
 };
 pub use matrices::{LinearMechanism, SparseMatrix, expm};
 #[cfg(feature = "modal")]

@@ -16,6 +16,8 @@ pub struct Part {
     pub velocity: DMatrix<f64>,
     /// Its angular velocity likewise: a row in the plane, three in space, none of a particle.
     pub turning: DMatrix<f64>,
+    /// Its part of M, kg per squares of the coordinates' units.
+    pub inertia: DMatrix<f64>,
 }
 
 /// Motions of a part count as those of a rigid body up to this.
@@ -26,6 +28,9 @@ const RIGID: f64 = 1e-9;
 ///
 /// A rigid motion is a combination of them in which every part moves as one body does; where only some combinations of
 /// translations and rotations are free (a cart, a hinge) those are named by their axis or their pole.
+///
+/// What has kinetic energy and is no part rests in them; only a translation may take along coordinates that are lengths, and a rotation ones
+/// that are angles, since nothing tells where these are.  Other motions in which it moves have no name.
 ///
 /// # Errors
 /// [`LinearError::WrongSize`] for a part with other sizes; [`LinearError::NoConvergence`].
@@ -43,65 +48,112 @@ pub fn name_free_modes(linear: &Linearised, parts: &[Part], modes: &mut [Mode]) 
             return Err(LinearError::WrongSize { what: "a part of the mechanism", given, expected });
         }
     }
-    let mass = linear.m();
     let null = DMatrix::from_fn(n, free.len(), |i, k| modes[free[k]].shape[i].re);
     let body = Body::new(parts, dimension);
-    let mut basis: Vec<(String, DVector<f64>)> = Vec::new();
-    let add = |basis: &mut Vec<(String, DVector<f64>)>, name: String, shape: DVector<f64>| {
-        let mut left = shape.clone();
-        for _ in 0..2 {
-            for (_, known) in basis.iter() {
-                let along = known.dot(&(&mass * &left));
-                left -= known * along;
-            }
-        }
-        let [whole, rest] = [&shape, &left].map(|x| x.dot(&(&mass * x)).max(0.0).sqrt());
-        if rest > 1e-6 * whole && rest > 0.0 {
-            basis.push((name, left / rest));
-        }
-    };
+    let beside = Beside::new(linear, parts);
+    // What only parts move in.
+    let bodies_alone = beside.at_rest(&null)?;
+    let mut basis = Basis { mass: linear.m(), shapes: Vec::new() };
     for (name, motion) in body.standard() {
-        if let Some(shape) = body.shape_of(&null, &motion)? {
-            add(&mut basis, name, shape);
-        }
+        let kind = if name.starts_with("translation") { "m" } else { "rad" };
+        let shape = match body.shape_of(&bodies_alone, &motion)? {
+            None => body.shape_of(&null, &motion)?.filter(|shape| beside.moves_only(linear, shape, kind)),
+            found => found,
+        };
+        shape.into_iter().for_each(|shape| basis.add(Some(name.clone()), &shape));
     }
-    for (name, shape) in body.others(&null)? {
-        add(&mut basis, name, shape);
+    for (name, shape) in body.others(&bodies_alone)? {
+        basis.add(Some(name), &shape);
     }
-    let rigid = basis.len();
-    // What is left over are mechanisms; each begins with the coordinate that moves most in it.
-    let mut left = null.clone();
-    while basis.len() < free.len() {
-        for mut column in left.column_iter_mut() {
-            for (_, known) in &basis {
-                let along = known.dot(&(&mass * &column));
-                column -= known * along;
-            }
-        }
-        // In the metric of M, the projection of each coordinate's axis on what is left.
-        let size = |i: usize| left.row(i).norm() * mass[(i, i)].max(0.0).sqrt();
-        let most = (0..n).map(size).fold(0.0, f64::max);
-        let Some(leader) = (0..n).find(|i| size(*i) > (1.0 - 1e-6) * most) else { break };
-        let shape = &left * left.row(leader).transpose();
-        let before = basis.len();
-        add(&mut basis, format!("mechanism {}", before - rigid + 1), shape);
-        if basis.len() == before {
-            break;
-        }
-    }
+    basis.complete(&bodies_alone, |place| Some(format!("mechanism {place}")));
+    basis.complete(&null, |_| None);
+    let basis = basis.shapes;
     if basis.len() < free.len() {
         return Ok(());
     }
     for (k, (name, shape)) in free.into_iter().zip(basis) {
         let shape = shape.iter().map(|x| Complex::new(*x, 0.0)).collect();
         let what = (0.0, None, Complex::new(0.0, 0.0), Kind::Rigid);
-        modes[k] = Mode {
-            name: Some(name),
-            repeated: modes[k].repeated,
-            ..Mode::new(shape, &linear.mass, &linear.coordinates, what)
-        };
+        modes[k] =
+            Mode { name, repeated: modes[k].repeated, ..Mode::new(shape, &linear.mass, &linear.coordinates, what) };
     }
     Ok(())
+}
+
+/// Shapes that are orthonormal in M, with their names.
+struct Basis {
+    mass: DMatrix<f64>,
+    shapes: Vec<(Option<String>, DVector<f64>)>,
+}
+
+/// What is left of a shape beside others is one of its own from this part on.
+const OF_ITS_OWN: f64 = 1e-6;
+
+impl Basis {
+    /// Adds what the others leave of a shape, if there is something.
+    fn add(&mut self, name: Option<String>, shape: &DVector<f64>) {
+        let mut left = shape.clone();
+        for _ in 0..2 {
+            self.take_out(&mut left);
+        }
+        let [whole, rest] = [shape, &left].map(|x| x.dot(&(&self.mass * x)).max(0.0).sqrt());
+        if rest > OF_ITS_OWN * whole && rest > 0.0 {
+            self.shapes.push((name, left / rest));
+        }
+    }
+
+    fn take_out(&self, shape: &mut DVector<f64>) {
+        for (_, known) in &self.shapes {
+            let along = known.dot(&(&self.mass * &*shape));
+            *shape -= known * along;
+        }
+    }
+
+    /// Adds what is left over of a space; each shape begins with the coordinate that moves most in it.
+    fn complete(&mut self, space: &DMatrix<f64>, name: impl Fn(usize) -> Option<String>) {
+        let (n, before) = (space.nrows(), self.shapes.len());
+        for place in 1..=space.ncols() {
+            let columns: Vec<DVector<f64>> = space.column_iter().map(|column| column.into_owned()).collect();
+            let left = columns.into_iter().map(|mut column| {
+                self.take_out(&mut column);
+                column
+            });
+            let left = DMatrix::from_columns(&left.collect::<Vec<_>>());
+            // In the metric of M, the projection of each coordinate's axis on what is left.
+            let size = |i: usize| left.row(i).norm() * self.mass[(i, i)].max(0.0).sqrt();
+            let most = (0..n).map(size).fold(0.0, f64::max);
+            let Some(leader) = (0..n).find(|i| size(*i) > (1.0 - OF_ITS_OWN) * most) else { return };
+            self.add(name(place), &(&left * left.row(leader).transpose()));
+            if self.shapes.len() < before + place {
+                return;
+            }
+        }
+    }
+}
+
+/// What has kinetic energy beside the parts: their M taken from all of M.
+struct Beside {
+    mass: DMatrix<f64>,
+}
+
+impl Beside {
+    fn new(linear: &Linearised, parts: &[Part]) -> Beside {
+        Beside { mass: parts.iter().fold(linear.m(), |mass, part| mass - &part.inertia) }
+    }
+
+    /// The combinations of shapes, which are orthonormal in M, in which it rests.
+    fn at_rest(&self, shapes: &DMatrix<f64>) -> Result<DMatrix<f64>, LinearError> {
+        let Some(singular) = Singular::of(&(shapes.transpose() * &self.mass * shapes)) else {
+            return Err(LinearError::NoConvergence { what: "the singular value decomposition of rigid motions" });
+        };
+        Ok(shapes * singular.directions(|share| share <= RIGID))
+    }
+
+    /// True where only coordinates of this unit have energy of it.
+    fn moves_only(&self, linear: &Linearised, shape: &DVector<f64>, unit: &str) -> bool {
+        let other = DVector::from_fn(shape.len(), |i, _| if linear.units[i] == unit { 0.0 } else { shape[i] });
+        other.dot(&(&self.mass * &other)).abs() <= RIGID * shape.dot(&(linear.m() * shape))
+    }
 }
 
 /// All parts as if they were one body.
@@ -192,6 +244,9 @@ impl<'a> Body<'a> {
 
     /// The combination of free motions in which the parts have exactly these velocities.
     fn shape_of(&self, null: &DMatrix<f64>, motion: &DVector<f64>) -> Result<Option<DVector<f64>>, LinearError> {
+        if null.ncols() == 0 {
+            return Ok(None);
+        }
         let (velocities, wanted) = (self.velocities(null), self.field(motion));
         let square = velocities.transpose() * &velocities;
         let Some(singular) = Singular::of(&square) else {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use nalgebra::DVector;
 
 use crate::mechanism::{At, System};
+use crate::numbers::counted;
 use crate::precision::WorkUnits;
 use crate::run::{Run, apart_by};
 use crate::simulate::{Settings, simulate};
@@ -330,9 +331,12 @@ fn phase_error(times: &[f64], values: &[f64], signed: &[f64], scale: f64) -> (f6
 /// How two lists of events differ, in words.
 fn differs(full: &[String], other: &[String]) -> String {
     let same = full.iter().zip(other).take_while(|(a, b)| a == b).count();
+    let happens = |name: &String| {
+        format!("`{name}` happens {} instead of {}", counted(count(other, name), "time"), count(full, name))
+    };
     match (full.get(same), other.get(same)) {
-        (Some(name), None) => format!("`{name}` happens {} times instead of {}", count(other, name), count(full, name)),
-        (None, Some(name)) => format!("`{name}` happens {} times instead of {}", count(other, name), count(full, name)),
+        (Some(name), None) => happens(name),
+        (None, Some(name)) => happens(name),
         (Some(name), Some(instead)) => format!("`{instead}` happens instead of `{name}`"),
         (None, None) => String::new(),
     }

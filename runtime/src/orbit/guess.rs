@@ -1,12 +1,12 @@
 //! Where to look for a motion that repeats.
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 use super::closing::{By, Closing};
 use crate::error::{Error, NoOrbit};
 use crate::linear::{
-    Guess, Reduction, equilibrium_near, guess_of_rest, has_dependent_coordinates, linearise, linearise_constrained,
-    normal_modes,
+    Guess, Linearised, Reduction, equilibrium_near, guess_of_rest, has_dependent_coordinates, linearise,
+    linearise_constrained, normal_modes,
 };
 use crate::mechanism::System;
 use crate::run::Run;
@@ -76,6 +76,56 @@ fn vertex([before, here, after]: [f64; 3]) -> f64 {
     if curvature > 0.0 { (0.5 * (before - after) / curvature).clamp(-0.5, 0.5) } else { 0.0 }
 }
 
+/// A mode of small motions about the equilibrium near a start.
+struct RestingMode {
+    linear: Linearised,
+    /// Where coordinates depend on each other, how all follow the independent ones.
+    follow: Option<DMatrix<f64>>,
+    omega: f64,
+    /// The shape in the independent coordinates, and in all.
+    independent: Vec<f64>,
+    shape: Vec<f64>,
+}
+
+impl RestingMode {
+    fn find(system: &dyn System, start: &[f64], number: usize) -> Result<RestingMode, Error> {
+        let near = Guess::at(&guess_of_rest(system, start));
+        let (linear, follow) = match has_dependent_coordinates(system) {
+            true => {
+                let found = linearise_constrained(system, &near, false).map_err(Error::from)?;
+                (found.linear, Some(found.motions))
+            }
+            false => {
+                let equilibrium = equilibrium_near(system, &near).map_err(Error::from)?;
+                (linearise(system, &equilibrium).map_err(Error::from)?, None)
+            }
+        };
+        let modes = normal_modes(&linear, Reduction::default()).map_err(Error::from)?;
+        let mode = number.checked_sub(1).and_then(|k| modes.get(k)).filter(|mode| mode.omega > 0.0);
+        let Some(mode) = mode else { return Err(NoOrbit::NoMode { mode: number, known: modes.len() }.into()) };
+        let independent = mode.real_shape();
+        let shape = match &follow {
+            Some(motions) => (motions * DVector::from_column_slice(&independent)).as_slice().to_vec(),
+            None => independent.clone(),
+        };
+        Ok(RestingMode { omega: mode.omega, linear, follow, independent, shape })
+    }
+
+    /// The coordinate that moves most, by its place, and by how much in the shape.
+    fn largest(&self) -> (usize, f64) {
+        let most = |most: (usize, f64), (k, x): (usize, &f64)| if x.abs() > most.1.abs() { (k, *x) } else { most };
+        self.shape.iter().enumerate().fold((0, 0.0), most)
+    }
+}
+
+/// The coordinate that moves most in a mode about the equilibrium near a start, by its place.
+///
+/// # Errors
+/// As [`mode`].
+pub(super) fn most_moved(system: &dyn System, start: &[f64], number: usize) -> Result<usize, Error> {
+    Ok(RestingMode::find(system, start, number)?.largest().0)
+}
+
 /// A state at rest, displaced from the equilibrium along a mode so that the coordinate that moves most moves by this amplitude, or by as much
 /// as gives it an energy if it grows like the square of the amplitude; the period of small motions, and the energy of the equilibrium.
 /// With constraints it is displaced along a tangent of theirs, and the run that begins there closes them.
@@ -88,27 +138,9 @@ pub(super) fn mode(
     (number, amplitude): (usize, f64),
     wanted: Option<f64>,
 ) -> Result<(Vec<f64>, f64, f64), Error> {
-    let near = Guess::at(&guess_of_rest(system, start));
-    // Where coordinates depend on each other, how all follow the independent ones.
-    let (linear, follow) = match has_dependent_coordinates(system) {
-        true => {
-            let found = linearise_constrained(system, &near, false).map_err(Error::from)?;
-            (found.linear, Some(found.motions))
-        }
-        false => {
-            let equilibrium = equilibrium_near(system, &near).map_err(Error::from)?;
-            (linearise(system, &equilibrium).map_err(Error::from)?, None)
-        }
-    };
-    let modes = normal_modes(&linear, Reduction::default()).map_err(Error::from)?;
-    let mode = number.checked_sub(1).and_then(|k| modes.get(k)).filter(|mode| mode.omega > 0.0);
-    let Some(mode) = mode else { return Err(NoOrbit::NoMode { mode: number, known: modes.len() }.into()) };
-    let independent = mode.real_shape();
-    let shape = match &follow {
-        Some(motions) => (motions * DVector::from_column_slice(&independent)).as_slice().to_vec(),
-        None => independent.clone(),
-    };
-    let largest = shape.iter().fold(0.0_f64, |most, x| if x.abs() > most.abs() { *x } else { most });
+    let mode = RestingMode::find(system, start, number)?;
+    let largest = mode.largest().1;
+    let RestingMode { linear, follow, omega, independent, shape } = mode;
     let rests = &linear.equilibrium.q;
     let displaced = |amplitude: f64| -> Vec<f64> {
         let mut q: Vec<f64> = rests.iter().zip(&shape).map(|(q, x)| q + amplitude * x / largest).collect();
@@ -126,13 +158,13 @@ pub(super) fn mode(
         // A shape displaced along a tangent of the constraints has left them: its energy is that of small motions.
         Some(_) => {
             let shape = DVector::from_column_slice(&independent) * (amplitude / largest);
-            0.5 * mode.omega * mode.omega * shape.dot(&(linear.m() * &shape))
+            0.5 * omega * omega * shape.dot(&(linear.m() * &shape))
         }
         None => energy(&displaced(amplitude)) - least,
     };
     let grown = wanted.map(|wanted| (wanted / risen).sqrt());
     let factor = grown.filter(|factor| factor.is_finite() && *factor > 0.0).unwrap_or(1.0);
-    Ok(([displaced(factor * amplitude), rest].concat(), std::f64::consts::TAU / mode.omega, least))
+    Ok(([displaced(factor * amplitude), rest].concat(), std::f64::consts::TAU / omega, least))
 }
 
 /// A run along the guess, the sizes of [q; q'], and how long a lap takes; the settings begin where it does.

@@ -145,6 +145,16 @@ impl OrbitSearch {
         self
     }
 
+    /// The coordinate that moves most in a mode of the equilibrium, by its place: that of which [`OrbitSearch::from_mode`] takes the amplitude.
+    ///
+    /// # Errors
+    /// No equilibrium, no such mode.
+    #[cfg(feature = "cli")]
+    pub(crate) fn most_moved(&self, mode: usize) -> Result<usize, Error> {
+        let (system, settings, _) = self.described.as_ref().map_err(Error::clone)?;
+        guess::most_moved(&**system, &settings.q, mode)
+    }
+
     /// Begins with all speeds 0 where the scene starts: rest under a drive.
     pub fn at_rest(mut self) -> Self {
         self.rest = true;

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::{Run, RunPart};
+use crate::numbers::counted;
 
 /// How far a run can be trusted; made by [`Run::trust`], printed with `{}`.
 #[derive(Clone, Copy, Debug)]
@@ -35,8 +36,10 @@ impl fmt::Display for Trust<'_> {
         let work = run.work;
         writeln!(
             f,
-            "work           {} steps, {} rejected, {} evaluations",
-            work.steps, work.rejected, work.evaluations
+            "work           {}, {} rejected, {}",
+            counted(work.steps as usize, "step"),
+            work.rejected,
+            counted(work.evaluations as usize, "evaluation")
         )?;
         for drift in &run.drift {
             write_drift(f, &drift.name, drift.value)?;

@@ -11,6 +11,7 @@ mod brush;
 mod chart;
 mod compact;
 mod csv;
+mod curve;
 mod curves;
 mod extent;
 mod figure;

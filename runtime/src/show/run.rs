@@ -7,8 +7,6 @@ use crate::run::Run;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Curves have about this many points.
-const POINTS: usize = 2000;
 /// A section has no more points.
 const MOST_SECTIONS: usize = 100_000;
 
@@ -66,8 +64,8 @@ impl Run {
             own if own == unit || own.is_empty() => (*name).to_owned(),
             own => format!("{name} ({own})"),
         };
-        let series = names.iter().map(|name| Ok(Series::line(named(name), self.curve(name)?.into_iter().map(Some))));
-        let series = series.collect::<Result<_, Error>>()?;
+        let curves = names.iter().zip(self.curves(names)?);
+        let series = curves.map(|(name, curve)| Series::line(named(name), curve.into_iter().map(Some))).collect();
         let time = Axis::new("time", if has_units(&self.description) { "s" } else { "" });
         let happened = self.events.iter().map(|event| Instant { x: event.state.t, name: event.name.to_string() });
         let mut chart = Chart { series, instants: happened.collect(), ..Chart::new("", time, Axis::default()) };
@@ -86,7 +84,7 @@ impl Run {
     /// # Errors
     /// [`Error::UnknownName`].
     pub fn portrait(&self, x: &str, y: &str) -> Result<Chart, Error> {
-        let (across, up) = (self.curve(x)?, self.curve(y)?);
+        let (across, up) = (self.samples(x)?, self.samples(y)?);
         // Both have the same times, unless one has dense output and the other has not.
         let points: Vec<Option<(f64, f64)>> = match across.len() == up.len() {
             true => across.iter().zip(&up).map(|(a, b)| Some((a.1, b.1))).collect(),
@@ -196,20 +194,6 @@ impl Run {
         (size > 1).then(|| (output.name.to_string(), self.outputs.chunks_exact(size).map(point).collect()))
     }
 
-    /// A column against time: coordinates and rates from dense output where there are few reported states.
-    fn curve(&self, name: &str) -> Result<Vec<(f64, f64)>, Error> {
-        let column = self.column(name).ok_or_else(|| Error::UnknownName {
-            kind: "coordinate, rate or output",
-            name: name.to_owned(),
-            known: self.shown_names(),
-        })?;
-        let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
-        let dense = (0..=POINTS).map(|i| first + (last - first) * i as f64 / POINTS as f64);
-        let sampled: Option<Vec<_>> = dense.map(|t| Some((t, self.at(t)?.get(name)?))).collect();
-        let reported = || self.times.iter().copied().zip(column).collect();
-        Ok(sampled.filter(|_| self.times.len() < POINTS).unwrap_or_else(reported))
-    }
-
     /// The unit that all of these have in common; else none is written.
     fn common_unit(&self, names: &[&str]) -> String {
         let mut units = names.iter().map(|name| self.unit(name));
@@ -221,6 +205,11 @@ impl Run {
     pub fn unit(&self, name: &str) -> String {
         unit(&self.description, name)
     }
+}
+
+/// No column has this name.
+pub(super) fn unknown_column(run: &Run, name: &str) -> Error {
+    Error::UnknownName { kind: "coordinate, rate or output", name: name.to_owned(), known: run.shown_names() }
 }
 
 /// The SI unit of a coordinate, rate, state or output of a mechanism; empty where it is pure or not known.
@@ -277,6 +266,7 @@ fn write(path: &Path, text: &str) -> Result<(), Error> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::curve::POINTS;
     use super::*;
     use crate::testing::Toy;
     use crate::{Settings, simulate};

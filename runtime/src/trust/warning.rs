@@ -4,7 +4,7 @@ use std::fmt;
 use std::mem;
 
 use crate::mechanism::Method;
-use crate::numbers::short;
+use crate::numbers::{counted, short};
 
 /// A reason to trust a run less.
 #[derive(Clone, Debug, PartialEq)]
@@ -374,7 +374,8 @@ impl fmt::Display for Warning {
             }
             Warning::EventsDiffer { here, there } => write!(
                 f,
-                "there are {here} events, and {there} in a second run that differs slightly: some were close calls"
+                "{} happened in this run, and {there} in a second one that differs slightly: some were close calls",
+                counted(*here, "event")
             ),
             Warning::EventNearEnd { event } => {
                 write!(f, "`{event}` lies so near to the end of the run that it may be just before or just after it")

@@ -25,8 +25,16 @@ pub(super) struct Way<'a> {
     pub times: &'a [f64],
 }
 
-/// Follows columns from the start of a run to its end, with its steps or shorter ones; returns them, and by how much each moves the last
-/// instant at which the equations change, s.
+/// Columns along a motion.
+pub(super) struct Flow {
+    pub moments: Vec<Moment>,
+    /// By how much each moves the last instant at which the equations change, s.
+    pub shifts: Vec<f64>,
+    /// The steps that they took.
+    pub steps: u64,
+}
+
+/// Follows columns from the start of a run to its end, with its steps or shorter ones.
 ///
 /// # Errors
 /// Instants at which there are no slopes; what ends a motion early.
@@ -35,9 +43,9 @@ pub(super) fn follow(
     run: &Run,
     (start, mut columns): (Side, Vec<Column>),
     way: &Way<'_>,
-) -> Result<(Vec<Moment>, Vec<f64>), NoSlopes> {
-    let mut shifts = vec![0.0; columns.len()];
-    let mut moments = Vec::with_capacity(way.times.len());
+) -> Result<Flow, NoSlopes> {
+    let moments = Vec::with_capacity(way.times.len());
+    let mut flow = Flow { moments, shifts: vec![0.0; columns.len()], steps: 0 };
     let mut from = start;
     let mut wanted = way.times;
     let first = from.t;
@@ -55,14 +63,14 @@ pub(super) fn follow(
         put(system, &from);
         let count = wanted.partition_point(|t| *t < until || (junction.is_none() && *t <= until));
         let (here, later) = wanted.split_at(count);
-        piece(system, run, (&from, &mut columns), (here, until), way, &mut moments)?;
+        piece(system, run, (&from, &mut columns), (here, until), way, &mut flow)?;
         wanted = later;
         if let Some(junction) = junction {
-            shifts = cross(system, (junction, &speeds), &mut columns, junction.before.t <= first)?;
+            flow.shifts = cross(system, (junction, &speeds), &mut columns, junction.before.t <= first)?;
             from = junction.after.clone();
         }
     }
-    Ok((moments, shifts))
+    Ok(flow)
 }
 
 /// Follows columns along a smooth piece, as far as `until`, and writes them down at times on the way.
@@ -72,8 +80,9 @@ fn piece(
     (from, columns): (&Side, &mut [Column]),
     (times, until): (&[f64], f64),
     way: &Way<'_>,
-    moments: &mut Vec<Moment>,
+    flow: &mut Flow,
 ) -> Result<(), NoSlopes> {
+    let moments = &mut flow.moments;
     let n = system.len();
     let parameters: Vec<Option<usize>> = columns.iter().map(|column| column.parameter).collect();
     let mut varied = Variational::new(system, &parameters);
@@ -88,7 +97,7 @@ fn piece(
         let floors = floors(run, columns, way.tolerance);
         let mut steps = Steps::begin(&mut varied, run, (t, &y, &floors), until, way)?;
         for (k, end) in ends.iter().enumerate() {
-            steps.advance(&mut varied, *end)?;
+            flow.steps += steps.advance(&mut varied, *end)?;
             t = *end;
             y = steps.state().to_vec();
             if k + 1 < ends.len() {
@@ -187,10 +196,13 @@ impl Steps {
         Ok(Steps { integration, recorder, until })
     }
 
-    fn advance(&mut self, varied: &mut Variational, end: f64) -> Result<(), NoSlopes> {
+    /// As far as `end`; how many steps that takes.
+    fn advance(&mut self, varied: &mut Variational, end: f64) -> Result<u64, NoSlopes> {
+        let mut steps = 0;
         let fault = |t: f64, cause: crate::cause::Cause| NoSlopes::Fault { t, cause };
         while self.integration.time() < end {
             let taken = self.integration.one(varied, end, &mut self.recorder);
+            steps += 1;
             let t = self.integration.time();
             taken.map_err(|cause| fault(t, *cause))?;
             if varied.is_constrained() {
@@ -199,7 +211,7 @@ impl Steps {
                 self.integration.go_on(varied, self.until).map_err(|cause| fault(t, *cause))?;
             }
         }
-        Ok(())
+        Ok(steps)
     }
 
     fn state(&self) -> &[f64] {

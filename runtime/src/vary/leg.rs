@@ -1,6 +1,6 @@
 //! A piece of a motion, and how its end changes with all of its start.
 
-use super::flow::{Way, at_event, follow};
+use super::flow::{Flow, Way, at_event, follow};
 use super::junction::{Column, put, slides};
 use super::response::Response;
 use super::{NoSlopes, constraints};
@@ -80,7 +80,7 @@ pub(crate) fn leg(system: &mut dyn System, settings: &Settings, parameters: &[us
     let way =
         Way { tolerance: settings.tolerance.max(Settings::TIGHTEST), max_steps: settings.max_steps, times: &[end] };
     let list: Vec<Option<usize>> = columns.iter().map(|column| column.parameter).collect();
-    let (mut moments, shifts) = follow(system, &run, (side.clone(), columns), &way)?;
+    let Flow { mut moments, shifts, .. } = follow(system, &run, (side.clone(), columns), &way)?;
     let mut numbers = moments.pop().map(|moment| moment.columns).unwrap_or_default();
     let mut columns: Vec<Vec<f64>> = numbers.split_off(1.min(numbers.len()));
     let last = run.junctions.last().filter(|junction| junction.after.t == end);

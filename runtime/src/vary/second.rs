@@ -1,7 +1,7 @@
 //! The second run, which tells how far off the numbers of the first one may be.
 
+use super::Varied;
 use crate::error::Error;
-use crate::run::Run;
 use crate::simulate::Settings;
 
 /// The tolerance of a rougher run, in units of the first: its errors are as many times as large, as far as they follow the tolerance.
@@ -20,22 +20,23 @@ pub(crate) struct Second<T> {
     pub told: f64,
 }
 
-/// Runs again, rougher; where that fails or has the steps of the first run, which stops or a longest step give, finer.  `None` where neither
+/// Runs again, rougher; where that fails or has the steps of the first run, which stops, the times at which slopes are wanted, or a longest
+/// step give, finer.  `None` where neither
 /// succeeds: then nothing is known of errors.
 pub(crate) fn second<T>(
-    first: &Run,
+    first: &Varied,
     settings: &Settings,
     mut again: impl FnMut(&Settings) -> Result<T, Error>,
-    of: impl Fn(&T) -> &Run,
+    of: impl Fn(&T) -> &Varied,
 ) -> Option<Second<T>> {
     if settings.step.is_none() {
         let looser = Settings { tolerance: LOOSER * settings.tolerance, digits: false, ..settings.clone() };
-        let longer = |rough: &T| of(rough).work.steps as f64 <= SHARED * first.work.steps as f64;
+        let longer = |rough: &T| of(rough).steps as f64 <= SHARED * first.steps as f64;
         if let Some(run) = again(&looser).ok().filter(longer) {
             return Some(Second { run, told: 1.0 });
         }
     }
-    let mean = (first.last().t - first.first().t) / first.work.steps.max(1) as f64;
+    let mean = (first.run.last().t - first.run.first().t) / first.steps.max(1) as f64;
     again(&finer(settings, mean)).ok().map(|run| Second { run, told: TOLD })
 }
 

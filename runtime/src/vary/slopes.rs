@@ -1,6 +1,6 @@
 //! A run with its slopes.
 
-use super::flow::{Moment, Way, at_event, follow, range};
+use super::flow::{Flow, Moment, Way, at_event, follow, range};
 use super::junction::{Column, put, slides};
 use super::response::Response;
 use super::second::{Second, second};
@@ -116,7 +116,7 @@ pub(crate) fn run_with_slopes(
     let list: Vec<Unknown> = unknowns.iter().map(|(_, unknown)| *unknown).collect();
     let fine = varied(system, settings, origin, &list, None).map_err(|error| named(error, unknowns))?;
     let again = |other: &Settings| varied(system, other, origin, &list, None);
-    let other = second(&fine.run, settings, again, |other| &other.run).filter(|other| other.run.agrees(&fine));
+    let other = second(&fine, settings, again, |other| other).filter(|other| other.run.agrees(&fine));
     Ok(fine.beside(other.as_ref(), unknowns, Names::of(system.description()).columns()))
 }
 
@@ -160,6 +160,8 @@ pub(crate) struct Varied {
     pub points: Vec<Point>,
     /// By how much each unknown moves the end, s, where an event ends the run; else 0.
     pub end_time: Vec<f64>,
+    /// The steps that slopes took.
+    pub steps: u64,
     /// How large each unknown is.
     sizes: Vec<f64>,
 }
@@ -208,7 +210,7 @@ pub(crate) fn varied(
     };
     let way =
         Way { tolerance: settings.tolerance.max(Settings::TIGHTEST), max_steps: settings.max_steps, times: &times };
-    let (mut moments, _) = follow(system, &run, (side, columns), &way)?;
+    let Flow { mut moments, steps, .. } = follow(system, &run, (side, columns), &way)?;
     let at_end = moments.last_mut().filter(|moment| moment.t == end);
     let shifts = at_the_end(system, &run, unknowns, at_end)?;
     let (last, still) = (moments.len().saturating_sub(1), vec![0.0; unknowns.len()]);
@@ -216,7 +218,7 @@ pub(crate) fn varied(
     for (k, moment) in moments.into_iter().enumerate() {
         points.push(with_outputs(system, moment, unknowns, if k == last { &shifts } else { &still })?);
     }
-    Ok(Varied { run, points, end_time: shifts, sizes })
+    Ok(Varied { run, points, end_time: shifts, steps, sizes })
 }
 
 /// The columns at the start.

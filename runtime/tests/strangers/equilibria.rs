@@ -5,7 +5,7 @@ use dalembert::linear::{
 };
 use dalembert::mechanism::{Method, System};
 
-use super::{case, printed, text_of};
+use super::{case, folder, printed, program, text_of};
 
 /// The linear model of a file without constraints about the rest nearest to 0.
 fn free(text: &str) -> Linearised {
@@ -335,4 +335,27 @@ fn the_last_digits_of_a_root_were_a_stiffness() {
         let swings = modes.iter().filter(|mode| mode.kind == Kind::Oscillating);
         swings.for_each(|mode| close(mode.omega, rate, 1e-12));
     }
+}
+
+/// What is no body may move as well, and then a motion is no translation of the whole.
+#[test]
+fn free_motions_are_named_by_all_that_moves_in_them() {
+    let folder = folder("free-motions");
+    let told = |text: &str| {
+        let file = folder.join("free.yaml");
+        std::fs::write(&file, text).expect("a file");
+        let text = program(&["modes", file.to_str().expect("a path")]).unwrap();
+        let lines = text.lines().filter_map(|line| line.split_once("rigid, no stiffness")).map(|(_, rest)| rest);
+        lines.map(|rest| rest.split(';').next().unwrap_or_default().to_owned()).collect::<Vec<_>>()
+    };
+    // A cart that rolls with a flywheel, of which nearly all of the energy is.
+    let flywheel = "name: F\nparameters: {m: 1 kg, J: 1 kg*m^2, k: 4 N/m, r: 0.1 m}\ncoordinates: {x: m, phi: rad}\n\
+        bodies: {cart: {mass: m, position: \"[x, 0]\"}}\nkinetic_energy: J*phi'^2/2\npotential_energy: k*(x - r*phi)^2/2\n";
+    assert_eq!(told(flywheel), [""]);
+    // A flywheel of its own leaves the cart its translation, and has no name.
+    let apart = flywheel.replace("k*(x - r*phi)^2/2", "0*k*r*x");
+    assert_eq!(told(&apart), [": translation along x", ""]);
+    // What moves along with bodies and is a length goes with their translation.
+    let along = flywheel.replace("J*phi'^2/2", "m*x'^2/2 + J*phi'^2/2").replace("r*phi)^2", "r*phi)^2*0 + k*phi^2*r*r");
+    assert_eq!(told(&along), [": translation along x"]);
 }

@@ -1,6 +1,7 @@
 //! What went wrong in strangers' hands: each file beside a neighbour that must stay as it is.
 #![cfg(all(feature = "interpret", feature = "cli"))]
 
+mod advice;
 mod angles;
 mod branches;
 mod contacts;
@@ -9,6 +10,7 @@ mod equilibria;
 mod events;
 mod extremes;
 mod false_alarms;
+mod fits;
 mod gaps;
 mod gimbal_lock;
 mod limits;
@@ -20,6 +22,7 @@ mod second_runs;
 mod slow;
 mod strikes;
 mod surfaces;
+mod units;
 mod warnings;
 mod zero;
 

@@ -139,3 +139,59 @@ fn an_animation_of_nothing_is_refused_with_what_to_write() {
     program(&["simulate", file, "--no-digits", "--show", "theta", "--animate", page]).unwrap();
     assert!(std::path::Path::new(page).exists());
 }
+
+/// The heights of the corners of each curve of a picture, as numbers of its text.
+fn curves(svg: &str) -> Vec<Vec<f64>> {
+    let parts = svg.split("points=\"").skip(1).filter_map(|part| part.split('"').next());
+    parts.map(|points| points.split(' ').filter_map(|point| point.split(',').nth(1)?.parse().ok()).collect()).collect()
+}
+
+#[test]
+fn pulses_between_reports_are_drawn() {
+    let text =
+        "name: Pulse\nparameters: {m: 1 kg, k: 1e6 N/m, g: 9.81 m/s^2, F: 100 N, a: 1.0007 s, b: 1.0012 s, s: 1 s}\n\
+        coordinates: {y: m, x: m}\nbodies: {ball: {mass: m, position: \"[x, y]\"}}\ngravity: [0, -g]\n\
+        forces: {floor: {on: ball, force: \"[F*step(t - a)*step(b - t), k*max(0, -y)]\"}}\n\
+        outputs: {push: \"k*max(0, -y)\", kick: \"F*step(t - a)*step(b - t)\", slow: \"F*sin(2*t/s)\"}\n\
+        scene: {start: {y: 1}, until: 3}\n"
+            .replace("/(1 s)", "/s")
+            .replace("b: 1.0012 s}", "b: 1.0012 s, s: 1 s}");
+    let folder = folder("pulses");
+    let (file, picture) = (folder.join("pulse.yaml"), folder.join("pulse.svg"));
+    std::fs::write(&file, text).expect("a file");
+    let [file, picture] = [&file, &picture].map(|path| path.to_str().expect("a path"));
+    let shown = ["--show", "push", "--show", "kick", "--show", "slow"];
+    program(&[&["simulate", file, "--no-digits", "--plot", picture], &shown[..]].concat()).unwrap();
+    let svg = std::fs::read_to_string(picture).expect("a picture");
+    let curves: Vec<Vec<f64>> = curves(&svg).into_iter().filter(|curve| curve.len() > 2).collect();
+    assert_eq!(curves.len(), 3);
+    let ways = |curve: &[f64]| {
+        let range = curve.iter().fold(0.0_f64, |most, y| most.max((y - curve[0]).abs()));
+        let high = |y: &f64| (y - curve[0]).abs() > 0.9 * range;
+        curve.windows(2).filter(|pair| !high(&pair[0]) && high(&pair[1])).count()
+    };
+    // Three bounces of some ms, a kick of 0.5 ms; what is smooth has no more points than before.
+    assert_eq!([ways(&curves[0]), ways(&curves[1])], [3, 1]);
+    assert!(curves[2].len() <= 501, "{}", curves[2].len());
+}
+
+#[test]
+fn runs_of_a_sweep_that_failed_are_counted_in_its_picture() {
+    let text = "name: Sw\nparameters: {F: 1 N, m: 1 kg, k: 1}\ncoordinates: {x: m}\nkinetic_energy: m*x'^2/2\n\
+        generalized_forces: {x: \"-F*k/sqrt(2.5 - k)\"}\nscene: {start: {x: 0.1}, until: 1}\n";
+    let folder = folder("failed");
+    let path = |name: &str| folder.join(name).to_str().expect("a path").to_owned();
+    std::fs::write(path("sw.yaml"), text).expect("a file");
+    let swept = |range: &str| {
+        let (picture, table) = (path("sw.svg"), path("sw.csv"));
+        let outcome = program(&["sweep", &path("sw.yaml"), "--vary", range, "--plot", &picture, "--csv", &table]);
+        (outcome, std::fs::read_to_string(&picture).expect("a picture"))
+    };
+    let (outcome, svg) = swept("k=1..4:7");
+    assert!(outcome.unwrap_err().contains("4 of 7 runs failed") && svg.contains("(4 of 7 runs failed)"));
+    // Where they failed is no end of them: three points are left.
+    let marks = |svg: &str| svg.matches("<circle").count();
+    let (outcome, all) = swept("k=1..2:3");
+    assert!(outcome.is_ok() && !all.contains("failed"));
+    assert_eq!(marks(&svg), marks(&all));
+}

@@ -212,3 +212,59 @@ fn bare_inertias_kept_equations_from_being_made_linear() {
         assert!(told.contains(wanted), "{text}{told}");
     }
 }
+
+/// What the program prints of a model's text.
+fn of_text(name: &str, text: &str, command: &str, arguments: &[&str]) -> Result<String, String> {
+    let place = folder(name).join("model.yaml");
+    std::fs::write(&place, text).expect("a file");
+    program(&[&[command, place.to_str().expect("a path")], arguments].concat())
+}
+
+#[test]
+fn largest_answers_have_the_digits_that_are_printed() {
+    let oscillator = "name: O\nparameters: {m: 1 kg, k: 1 N/m, z: 0.1}\ncoordinates: {x: m}\nkinetic_energy: m*x'^2/2\n\
+        potential_energy: k*x^2/2\ngeneralized_forces: {x: -2*z*x'}\nscene: {until: 1}\n";
+    let largest = |zeta: f64| {
+        let set = format!("z={zeta}");
+        let text = of_text("peaks", oscillator, "modes", &["--drive=x", "--range=0.05..5", "--set", &set]).unwrap();
+        let line =
+            text.lines().find(|line| line.starts_with("  x: ") && line.contains("rad/s")).expect("a line").to_owned();
+        let mut numbers = line.split(' ').filter_map(|word| word.parse::<f64>().ok());
+        [numbers.next().expect("a size"), numbers.next().expect("a frequency")]
+    };
+    for zeta in [1.23e-9, 3.3e-6, 0.00123, 0.0456, 0.3, 0.7] {
+        let [size, omega] = largest(zeta);
+        // Of 6 digits each.
+        let exact = [0.5 / (zeta * (1.0 - zeta * zeta).sqrt()), (1.0 - 2.0 * zeta * zeta).sqrt()];
+        for (found, exact) in [(size, exact[0]), (omega, exact[1])] {
+            assert!((found / exact - 1.0).abs() <= 5e-6, "{zeta}: {found}, {exact}");
+        }
+    }
+    // Without a peak it is largest where the range begins.
+    let [size, omega] = largest(1.0);
+    assert_eq!((omega, size), (0.05, (1e6 / (1.0 + 0.05 * 0.05_f64)).round() / 1e6));
+    // What is as large everywhere has no place.
+    let text = oscillator.replace("scene:", "outputs: {f: \"x'' + 2*z*x' + k*x\"}\nscene:");
+    let text = of_text("peaks", &text, "modes", &["--drive=x", "--response=f"]).unwrap();
+    assert!(text.contains("  f: 1 1/N at all frequencies"), "{text}");
+}
+
+#[test]
+fn reduced_equations_are_printed_in_full() {
+    let path = format!("{}/../models/satellite.yaml", env!("CARGO_MANIFEST_DIR"));
+    let text = program(&["check", &path, "--routh"]).unwrap();
+    assert!(text.contains("    where\n      s1 = ") && !text.contains('…'), "{text}");
+    // Short ones stay in one line each.
+    let path = format!("{}/../models/two_body.yaml", env!("CARGO_MANIFEST_DIR"));
+    let text = program(&["check", &path, "--routh"]).unwrap();
+    assert!(text.contains("goes with its momentum") && !text.contains("    where\n"), "{text}");
+}
+
+#[test]
+fn a_command_that_is_misspelt_is_proposed_after_help_too() {
+    for line in [&["simulat", "x"][..], &["help", "simulat"]] {
+        let error = program(line).unwrap_err();
+        assert!(error.contains("a similar subcommand exists: 'simulate'"), "{error}");
+    }
+    assert!(!program(&["help", "xyzzy"]).unwrap_err().contains("similar"));
+}

@@ -38,9 +38,10 @@ pub fn did_you_mean<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str
     nearest(name, candidates).map(|near| format!("did you mean `{near}`?")).unwrap_or_default()
 }
 
-/// "did you mean `x`?", or else what is allowed: "one of `a`, `b`, `c`".
+/// "did you mean `x`?", or else what is allowed: "one of `a`, `b`, `c`", or "there is none".
 pub fn did_you_mean_or(name: &str, candidates: &[&str]) -> String {
     match nearest(name, candidates.iter().copied()) {
+        _ if candidates.is_empty() => "there is none".to_owned(),
         Some(near) => format!("did you mean `{near}`?"),
         None => format!("it is one of {}", quoted(candidates)),
     }
@@ -115,5 +116,6 @@ mod tests {
         assert_eq!(nearest("mass", ["theta"]), None);
         assert_eq!(did_you_mean("mass", ["theta"]), "");
         assert_eq!(did_you_mean_or("mass", &["a", "b"]), "it is one of `a`, `b`");
+        assert_eq!(did_you_mean_or("mass", &[]), "there is none");
     }
 }

@@ -200,6 +200,11 @@ impl Builder<'_> {
     }
 }
 
+/// True of what YAML took for a key and is the end of an expression with commas: `a)`.
+fn is_end_of_call(key: &str) -> bool {
+    key.matches([')', ']']).count() > key.matches(['(', '[']).count()
+}
+
 /// Keys given twice in one mapping.
 pub(crate) fn duplicates(text: &str, node: &Outline, problems: &mut Vec<Problem>) {
     match &node.shape {
@@ -213,7 +218,10 @@ pub(crate) fn duplicates(text: &str, node: &Outline, problems: &mut Vec<Problem>
                     if first != key.range.start {
                         let line = text[..first].matches('\n').count() + 1;
                         let place = Place::in_file(key.range.start, key.range.end);
-                        problems.push(yaml::duplicate_key(place, name, line));
+                        problems.push(match is_end_of_call(name) {
+                            true => yaml::unquoted(place, "put the expression in double quotes"),
+                            false => yaml::duplicate_key(place, name, line),
+                        });
                     }
                 }
                 duplicates(text, value, problems);

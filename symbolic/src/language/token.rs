@@ -129,7 +129,10 @@ const FOREIGN: &[(&str, &str)] = &[
     (">=", COMPARED),
     ("<", COMPARED),
     (">", COMPARED),
-    ("%", "write `mod(a, b)` for a remainder"),
+    (
+        "%",
+        "of indices write `mod(a, b)`; of quantities what is left of `a` by `b`, in -b/2..b/2, is `b/(2*pi)*atan2(sin(2*pi*a/b), cos(2*pi*a/b))`",
+    ),
     ("·", "write `*`, or `dot(a, b)`"),
     ("⋅", "write `*`, or `dot(a, b)`"),
     ("×", "write `*`, or `cross(a, b)`"),

@@ -8,8 +8,11 @@ use super::expression::dimension::{Dimension, Measure};
 use super::expression::lower::Local;
 use super::expression::radians;
 use super::expression::rules::Rules;
+use super::expression::scope::Member;
 use super::expression::value::Value;
 use super::resolved::Model;
+use super::section::changing_mass::has_steps;
+use super::section::noise::{bad_seed, is_seed};
 use super::section::springs::LENGTH;
 use crate::diagnose::catalogue::{mechanics, names};
 use crate::diagnose::{Place, Problem};
@@ -35,6 +38,20 @@ pub enum Sets {
     Coordinate(usize),
     /// The velocity of a coordinate, by its place.
     Speed(usize),
+    /// An input, by its place.
+    Input(usize),
+    /// A held value, by its place.
+    Memory(usize),
+    /// An output or a component of it, by its place.
+    Output(usize),
+    /// An energy.
+    Energy,
+    /// A force at a point.
+    Force,
+    /// A couple.
+    Couple,
+    /// A generalized force on a coordinate, by the coordinate's place.
+    ForceOn(usize),
 }
 
 /// What a scene is run for.
@@ -112,20 +129,7 @@ impl Model {
     /// What is wrong with it; places are spans of `text`.
     pub fn constant(&mut self, text: &str, sets: Sets, parameters: &[f64]) -> Result<f64, Vec<Problem>> {
         let quantity = file::quantity(text, &Place::default())?;
-        let units = &self.scope.units;
-        let known = |units: &[Measure], place: usize| units.get(place).copied().unwrap_or_default();
-        let (what, unit) = match sets {
-            Sets::Any => ("this option", Measure::Unknown),
-            Sets::Frequency => ("an angular frequency", units.of(Dimension::RATE)),
-            Sets::Time => ("a time", units.of(Dimension::TIME)),
-            Sets::Number => ("this option", Measure::ONE),
-            Sets::Parameter(place) => ("this parameter", known(&units.parameters, place)),
-            Sets::Coordinate(place) => ("this coordinate", known(&units.coordinates, place)),
-            Sets::Speed(place) if place >= self.mechanical() => {
-                ("this state", known(&units.states, place - self.mechanical()))
-            }
-            Sets::Speed(place) => ("this velocity", units.rate(known(&units.coordinates, place))),
-        };
+        let (what, unit) = self.measure_of(sets);
         let words = match sets {
             Sets::Parameter(place) => self.parameters.get(place).and_then(|parameter| parameter.unit.as_deref()),
             Sets::Speed(place) if place >= self.mechanical() => {
@@ -134,7 +138,7 @@ impl Model {
             Sets::Coordinate(place) | Sets::Speed(place) => {
                 self.coordinates.get(place).and_then(|coordinate| coordinate.unit.as_deref())
             }
-            Sets::Any | Sets::Frequency | Sets::Time | Sets::Number => None,
+            _ => None,
         };
         let rules = Rules::constant(what).numbers_fit().like(unit).counting(words);
         let mut builder = self.builder();
@@ -148,9 +152,70 @@ impl Model {
         {
             return Err(vec![mechanics::value_out_of_range(Place::default(), what, "positive or 0", value)]);
         }
+        if let Sets::Parameter(place) = sets {
+            self.whole_seed(place, value)?;
+        }
         let in_hertz = |unit: &str| unit.ends_with("Hz") && unit.chars().all(char::is_alphabetic);
         let cycles = sets == Sets::Frequency && quantity.unit.is_some_and(|(unit, _)| in_hertz(unit.trim()));
         Ok(if cycles { TAU * value } else { value })
+    }
+
+    /// Whether an expression contains an input.
+    fn has_input(&self, value: Id, input: usize) -> bool {
+        let is = |symbol: Symbol| matches!(symbol, Symbol::Input(place, _) if place as usize == input);
+        self.graph.symbols([value]).into_iter().any(is)
+    }
+
+    /// What is set, in words, and the unit that it has.
+    fn measure_of(&self, sets: Sets) -> (&'static str, Measure) {
+        let units = &self.scope.units;
+        let known = |units: &[Measure], place: usize| units.get(place).copied().unwrap_or_default();
+        match sets {
+            Sets::Any => ("this option", Measure::Unknown),
+            Sets::Frequency => ("an angular frequency", units.of(Dimension::RATE)),
+            Sets::Time => ("a time", units.of(Dimension::TIME)),
+            Sets::Number => ("this option", Measure::ONE),
+            Sets::Parameter(place) => ("this parameter", known(&units.parameters, place)),
+            Sets::Coordinate(place) => ("this coordinate", known(&units.coordinates, place)),
+            Sets::Speed(place) if place >= self.mechanical() => {
+                ("this state", known(&units.states, place - self.mechanical()))
+            }
+            Sets::Speed(place) => ("this velocity", units.rate(known(&units.coordinates, place))),
+            Sets::Input(place) => ("this input", self.measure_of_input(place)),
+            Sets::Memory(place) => ("this held value", known(&units.memory, place)),
+            Sets::Output(place) => {
+                ("this output", self.outputs.get(place).map_or(Measure::Unknown, |output| output.measure))
+            }
+            Sets::Energy => ("an energy", units.of(Dimension::ENERGY)),
+            Sets::Force => ("a force", units.of(Dimension::FORCE)),
+            Sets::Couple => ("a couple", units.of(Dimension::ENERGY)),
+            Sets::ForceOn(place) => {
+                let coordinate = known(&units.coordinates, place);
+                ("a force on this coordinate", units.of(Dimension::ENERGY).over(coordinate))
+            }
+        }
+    }
+
+    /// The unit of an input; unknown where it is a bare number.
+    fn measure_of_input(&self, place: usize) -> Measure {
+        let mut members = self.scope.names.values().flat_map(|entry| entry.members.values());
+        let item = members.find_map(|member| match member {
+            Member::Input(input, item) if *input as usize == place => Some(*item),
+            _ => None,
+        });
+        item.and_then(|item| self.scope.units.items.get(item)).copied().unwrap_or_default()
+    }
+
+    /// A parameter that is a seed of noise is a whole number.
+    ///
+    /// # Errors
+    /// That this one is none.
+    pub fn whole_seed(&self, parameter: usize, value: f64) -> Result<(), Vec<Problem>> {
+        let of = self.noise.iter().find(|noise| noise.seed == Some(parameter as u32));
+        match of {
+            Some(noise) if !is_seed(value) => Err(vec![bad_seed(Place::default(), &noise.name, &value.to_string())]),
+            _ => Ok(()),
+        }
     }
 
     /// What of a body a free parameter is as it stands.
@@ -166,18 +231,24 @@ impl Model {
         self.bodies.iter().find_map(of_body)
     }
 
-    /// The value of a function of time and its first and second derivative, to take an input's place.
+    /// The value of a function of time and its first and second derivative, to take the place of this input, whose unit it has.
     ///
     /// # Errors
     /// What is wrong with it; places are spans of `text`.
-    pub fn signal(&mut self, text: &str) -> Result<[Id; 3], Vec<Problem>> {
+    pub fn signal(&mut self, text: &str, input: usize) -> Result<[Id; 3], Vec<Problem>> {
         let quantity = file::quantity(text, &Place::default())?;
+        let (what, unit) = self.measure_of(Sets::Input(input));
         let mut builder = self.builder();
-        let rules = Rules::signal("an input").numbers_fit();
-        let value = builder.quantity(&self.scope, &quantity, rules, &[]).unwrap_or(Id::ZERO);
+        let rules = Rules::signal(what).numbers_fit().like(unit);
+        let value = builder.setting(&self.scope, &quantity, rules, &[]).unwrap_or(Id::ZERO);
         let rate = builder.rate(value);
         let second = builder.rate(rate);
         self.take_back(builder)?;
+        if has_steps(&self.graph, value)
+            && let Some(body) = self.bodies.iter().find(|body| self.has_input(body.mass, input))
+        {
+            return Err(vec![mechanics::mass_jumps(Place::default(), &body.name)]);
+        }
         Ok([value, rate, second])
     }
 

@@ -2,6 +2,7 @@
 
 use super::contact::{Contact, ImpactLaw};
 use super::event::{Clock, Event, HeldValue, Noise, Set};
+use super::expression::dimension::Measure;
 use super::expression::scope::Scope;
 use super::gimbals::Gimbal;
 use super::motion::Motion;
@@ -510,6 +511,8 @@ pub struct Output {
     pub value: Vec<Id>,
     /// Its unit in SI, where it is known and not 1.
     pub unit: Option<String>,
+    /// What is known of its unit.
+    pub(crate) measure: Measure,
     /// Whether it contains named reactions; those become expressions of the state and the accelerations.
     pub of_reactions: bool,
 }

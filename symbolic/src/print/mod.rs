@@ -35,7 +35,7 @@ pub use description::{fnv1a, switch_text};
 pub use linear::{About, Degree, LinearEnergies, linear_energies, linear_law};
 pub use linearisation::{Linearisation, NotLinear};
 pub use numpy::python;
-pub use reading::Reading;
+pub use reading::{Reading, in_full};
 pub use resting::resting_place;
 pub use rust::{Purpose, rust};
 pub use scope::OWN;

@@ -19,6 +19,15 @@ pub struct Reading {
     rows: Vec<(bool, Rc<Formula>)>,
 }
 
+/// Expressions of a model's graph in the model language, nothing left out, and after them the long parts that stand in several places, each
+/// with its name.
+pub fn in_full(model: &Model, roots: &[Id]) -> (Vec<String>, Vec<(String, String)>) {
+    let (formulas, writer) = (Formulas::new(&model.graph, roots), Text { model });
+    let wholes = formulas.roots.iter().map(|(sign, root)| writer.signed(*sign, root)).collect();
+    let parts = formulas.parts.iter().enumerate();
+    (wholes, parts.map(|(place, part)| (Text::part(place), writer.signed(false, part))).collect())
+}
+
 /// An equation with more leaves than these is no line that a person reads: its parts are.
 const LONGEST_ROW: usize = 60;
 

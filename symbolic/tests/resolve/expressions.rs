@@ -190,12 +190,12 @@ fn command_line_values() {
     assert_eq!(value("ln(-m)").unwrap_err()[0].code, "E231");
     assert_eq!(value("2 *").unwrap_err()[0].code, "E103");
     let mut model = crate::model(PLANE);
-    let signal = model.signal("l*sin(2*t)").unwrap();
+    let signal = model.signal("l*sin(2*t)", 0).unwrap();
     let at = At::new(&[("t", 0.4)]);
     let (s, c) = (0.8_f64.sin(), 0.8_f64.cos());
     close(&at.values(&model, &signal), &[0.5 * s, c, -2.0 * s]);
-    assert_eq!(model.signal("x").unwrap_err()[0].code, "E215");
+    assert_eq!(model.signal("x", 0).unwrap_err()[0].code, "E215");
     // In an input the names of inputs stand for their expressions.
-    let signal = model.signal("2*u").unwrap();
+    let signal = model.signal("2*u", 0).unwrap();
     close(&at.values(&model, &signal), &[2.0 * 1.2_f64.sin(), 6.0 * 1.2_f64.cos(), -18.0 * 1.2_f64.sin()]);
 }

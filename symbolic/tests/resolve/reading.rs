@@ -84,13 +84,13 @@ fn units_wherever_one_value_is_wanted() {
 fn inputs_on_the_command_line() {
     let mut whole = model(&particle(""));
     let at = At::new(&[("t", 0.4)]);
-    let [u, rate, second] = whole.signal("0.1*cos(3*t)").unwrap();
+    let [u, rate, second] = whole.signal("0.1*cos(3*t)", 0).unwrap();
     let wanted = [0.1 * 1.2_f64.cos(), -0.3 * 1.2_f64.sin(), -0.9 * 1.2_f64.cos()];
     close(&at.values(&whole, &[u, rate, second]), &wanted);
-    let id = whole.signal("5 cm").unwrap()[0];
+    let id = whole.signal("5 cm", 0).unwrap()[0];
     close(&at.values(&whole, &[id]), &[0.05]);
-    assert_eq!(whole.signal("x*t").unwrap_err()[0].code, "E215");
-    assert_eq!(whole.signal("sin(m)").unwrap_err()[0].code, "E243");
+    assert_eq!(whole.signal("x*t", 0).unwrap_err()[0].code, "E215");
+    assert_eq!(whole.signal("sin(m)", 0).unwrap_err()[0].code, "E243");
     close(&[whole.constant("30 deg", Sets::Any, &[]).unwrap()], &[std::f64::consts::PI / 6.0]);
 }
 

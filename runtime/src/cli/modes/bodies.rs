@@ -7,7 +7,7 @@ use super::super::Problem;
 use super::super::load::Loaded;
 use super::failed;
 use crate::linear::{Kind, Linearised, Mode, Part, name_free_modes};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 /// Parts of the energy below this are not named.
 const LEAST: f64 = 0.01;
@@ -49,7 +49,8 @@ pub fn name_free(
     let mut model = loaded.model()?;
     let parameters = loaded.system.parameters();
     let mut parts = Vec::new();
-    for body in model.bodies.clone() {
+    let moving = moving(&mut model);
+    for (body, moving) in model.bodies.clone().into_iter().zip(moving) {
         let mut of = |function: &str| model.expression(&format!("{function}({})", body.name)).unwrap_or_default();
         let (position, velocity) = (of("position"), of("velocity"));
         let turning = if body.rotation.is_some() { of("angular_velocity") } else { Vec::new() };
@@ -69,6 +70,7 @@ pub fn name_free(
             position: still[1..=d].to_vec(),
             velocity: rows.rows(0, d).into_owned(),
             turning: rows.rows(d, r).into_owned(),
+            inertia: moving.inertia(linear, &parameters, motions),
         });
     }
     name_free_modes(linear, &parts, modes).map_err(failed)
@@ -131,6 +133,20 @@ fn squares(graph: &mut Graph, omega: &[Id], [xx, yy, zz, xy, xz, yz]: [Id; 6]) -
 }
 
 impl Moving {
+    /// Its part of M; with constraints `motions` says how all coordinates follow those of the model.
+    fn inertia(&self, linear: &Linearised, parameters: &[f64], motions: Option<&DMatrix<f64>>) -> DMatrix<f64> {
+        let (n, count) = (linear.equilibrium.q.len(), self.tape.len() / 2);
+        let still = evaluate(&self.tape, linear, parameters, None);
+        let mut velocities = DMatrix::zeros(count, n);
+        for j in 0..n {
+            let moved = evaluate(&self.tape, linear, parameters, Some(j));
+            (0..count).for_each(|i| velocities[(i, j)] = moved[i] - still[i]);
+        }
+        let velocities = motions.map_or(velocities.clone(), |motions| velocities * motions);
+        let inertias = DMatrix::from_diagonal(&DVector::from_column_slice(&still[count..]));
+        velocities.transpose() * inertias * velocities
+    }
+
     /// Σ m v² and I ω² of the velocities that speeds q' add to the steady ones.
     fn twice_energy(&self, linear: &Linearised, parameters: &[f64], speeds: &[f64]) -> f64 {
         let at = &linear.equilibrium;

@@ -16,7 +16,7 @@ use super::super::{Problem, outputs};
 use super::failed;
 use super::model::Model;
 use super::shaken::{Shaken, named};
-use crate::linear::{Linearised, Mode, Response, Steady, short, short_beside, turned};
+use crate::linear::{Linearised, Mode, Peak, Response, Steady, short, short_beside, short_within, turned};
 
 /// Below this part of its static stiffness a coordinate by itself is near resonance.
 const NEAR_RESONANCE: f64 = 0.3;
@@ -31,6 +31,8 @@ pub struct Driven {
     /// What else than coordinates was asked for, at the frequency of the steady state.
     answers: Vec<Answer>,
     response: Option<Response>,
+    /// The largest of each of its answers.
+    peaks: Vec<Option<Peak>>,
     /// The mode that grows fastest, by its number, and the time in which it grows by e, s.
     unstable: Option<(usize, f64)>,
 }
@@ -63,7 +65,15 @@ impl Driven {
         let Shaken { drive, label, per } = drive(loaded, options, reader, model)?;
         let coordinates = &loaded.system.description().coordinates;
         let axes = coordinates.iter().map(|axis| (axis.name.to_string(), axis.unit.to_string())).collect();
-        let mut driven = Driven { label, axes, steady: None, answers: Vec::new(), response: None, unstable: None };
+        let mut driven = Driven {
+            label,
+            axes,
+            steady: None,
+            answers: Vec::new(),
+            response: None,
+            peaks: Vec::new(),
+            unstable: None,
+        };
         driven.unstable = fastest_growth(&model.linear().modes().map_err(failed)?);
         let names = match answers {
             None => driven.axes.iter().map(|axis| axis.0.clone()).collect(),
@@ -99,6 +109,7 @@ impl Driven {
                 let figure = if options.get_flag("hertz") { response.figure_in_hertz() } else { response.figure() };
                 outputs::draw(path, figure)?;
             }
+            driven.peaks = model.linear().peaks(&drive, &seen, &response).map_err(failed)?;
             driven.response = Some(response);
         }
         Ok(Some(driven))
@@ -153,10 +164,16 @@ impl Driven {
             };
             let columns = names.iter().enumerate().map(|(i, name)| (name.clone(), column(i)));
             let units = names.iter().enumerate().map(|(i, name)| (name.clone(), json!(response.unit(i))));
+            let peak = |peak: &Option<Peak>| {
+                let pair = |peak: &Peak| json!({"omega": number(peak.omega), "size": number(peak.size)});
+                peak.as_ref().map_or(Value::Null, pair)
+            };
+            let largest = names.iter().zip(&self.peaks).map(|(name, found)| (name.clone(), peak(found)));
             entries.push((
                 "response",
                 object([
                     ("drive", json!(self.label)),
+                    ("largest", object(largest)),
                     ("omega", omegas.iter().map(|omega| number(*omega)).collect::<Vec<_>>().into()),
                     ("amplitude", object(columns)),
                     ("units", object(units)),
@@ -194,24 +211,30 @@ impl Driven {
             let (low, high) = (response.omegas[0], response.omegas[response.omegas.len() - 1]);
             writeln!(out, "largest answers to {} between {} and {} rad/s:", self.label, short(low), short(high))?;
             for (index, name) in response.names.iter().enumerate() {
-                let sizes = response.omegas.iter().zip(&response.answers);
-                let peak = sizes
-                    .filter_map(|(omega, answer)| Some((*omega, answer.as_ref()?[index].norm())))
-                    .max_by(|a, b| a.1.total_cmp(&b.1));
-                let Some((omega, size)) = peak else { continue };
-                if size == 0.0 {
-                    writeln!(out, "  {name}: 0 at all frequencies")?;
-                } else if let Some(mode) = response.poles.iter().find(|mode| (omega - **mode).abs() < 1e-3 * omega) {
-                    writeln!(out, "  {name}: without bound at {} rad/s", short(*mode))?;
-                } else {
-                    let (size, unit, hertz) = (short(size), response.unit(index), short(omega / TAU));
-                    let space = if unit.is_empty() { "" } else { " " };
-                    writeln!(out, "  {name}: {size}{space}{unit} at {} rad/s, {hertz} Hz", short(omega))?;
+                if let Some(peak) = self.peaks[index] {
+                    writeln!(out, "  {name}: {}", largest_answer(response, index, &peak))?;
                 }
             }
         }
         Ok(())
     }
+}
+
+/// How large an answer becomes, and where, with the digits that hold.
+fn largest_answer(response: &Response, index: usize, peak: &Peak) -> String {
+    let Peak { omega, size, width } = *peak;
+    if size == 0.0 {
+        return "0 at all frequencies".to_owned();
+    }
+    if let Some(mode) = response.poles.iter().find(|mode| (omega - **mode).abs() < 1e-3 * omega) {
+        return format!("without bound at {} rad/s", short(*mode));
+    }
+    let size = format!("{}{}", short(size), spaced(&response.unit(index)));
+    if width >= response.omegas[response.omegas.len() - 1] - response.omegas[0] {
+        return format!("{size} at all frequencies");
+    }
+    let [omega, hertz] = [omega, omega / TAU].map(|frequency| short_within(frequency, width / omega));
+    format!("{size} at {omega} rad/s, {hertz} Hz")
 }
 
 /// The mode that grows fastest, counted from 1, and the time in which it grows by e, s.
@@ -384,8 +407,8 @@ fn drive(loaded: &Loaded, options: &ArgMatches, reader: &mut Reader, model: Mode
         let (text, phase) = text.split_once('<').map_or((text.as_str(), None), |(text, phase)| (text, Some(phase)));
         let (name, amplitude) = text.split_once('=').map_or((text.trim(), "1"), |(name, value)| (name.trim(), value));
         model.can_move(name).map_err(failed)?;
-        let Shaken { drive, label, per } = named(loaded, reader, linear, name)?;
-        let size = reader.value(loaded, "drive", Sets::Any, amplitude)?;
+        let (Shaken { drive, label, per }, sets) = named(loaded, reader, linear, name)?;
+        let size = reader.value(loaded, "drive", sets, amplitude)?;
         let phase = phase.map_or(Ok(0.0), |text| angle(loaded, reader, text))?;
         let times = if size == 1.0 { String::new() } else { format!("{} times ", short(size)) };
         let before = if all.label.is_empty() { String::new() } else { format!("{} and ", all.label) };

@@ -2,7 +2,7 @@
 
 use dalembert_symbolic::expr::{Symbol, Tape};
 use dalembert_symbolic::gate::{UnitPush, unit_push};
-use dalembert_symbolic::model::Work;
+use dalembert_symbolic::model::{Sets, Work};
 use nalgebra::Complex;
 
 use super::super::Problem;
@@ -22,23 +22,24 @@ pub struct Shaken {
     pub per: String,
 }
 
-/// What shakes under this name.
-pub fn named(loaded: &Loaded, reader: &mut Reader, linear: &Linearised, name: &str) -> Result<Shaken, Problem> {
+/// What shakes under this name, and what a size of it sets.
+pub fn named(loaded: &Loaded, reader: &mut Reader, linear: &Linearised, name: &str) -> Result<(Shaken, Sets), Problem> {
     match linear.source(name) {
-        Some(source @ Source::Input(_)) => {
-            Ok(Shaken { drive: source.into(), label: name.to_owned(), per: input_unit(loaded, reader, name)? })
+        Some(source @ Source::Input(input)) => {
+            let per = input_unit(loaded, reader, name)?;
+            Ok((Shaken { drive: source.into(), label: name.to_owned(), per }, Sets::Input(input)))
         }
         Some(source @ Source::Force(coordinate)) => {
             let unit = &loaded.system.description().coordinates[coordinate].unit;
             let (label, per) = (format!("a force on {name}"), force_unit(unit));
-            Ok(Shaken { drive: source.into(), label, per })
+            Ok((Shaken { drive: source.into(), label, per }, Sets::ForceOn(coordinate)))
         }
         None => load(loaded, reader, linear, name),
     }
 }
 
 /// A force of 1 N, or a couple of 1 N m, along the direction of an entry of the file.
-fn load(loaded: &Loaded, reader: &mut Reader, linear: &Linearised, name: &str) -> Result<Shaken, Problem> {
+fn load(loaded: &Loaded, reader: &mut Reader, linear: &Linearised, name: &str) -> Result<(Shaken, Sets), Problem> {
     let model = reader.model(loaded)?;
     let Some(push) = unit_push(model, name) else {
         let pushes = model.loads.iter().filter(|load| load.work == Work::Pushes).map(|load| load.name.as_str());
@@ -67,7 +68,8 @@ fn load(loaded: &Loaded, reader: &mut Reader, linear: &Linearised, name: &str) -
         (true, false) => "N",
         (true, true) => "N m",
     };
-    Ok(Shaken { drive: Drive { parts }, label: name.to_owned(), per: per.to_owned() })
+    let sets = if push.couple { Sets::Couple } else { Sets::Force };
+    Ok((Shaken { drive: Drive { parts }, label: name.to_owned(), per: per.to_owned() }, sets))
 }
 
 /// The entry's components, and the generalized forces of each axis, at the equilibrium.

@@ -21,6 +21,7 @@ use crate::linear::{
     InputOutput, LinearError, Linearised, NamedDrive, Source, Unreached, linearise_instant, short_beside,
 };
 use crate::mechanism::At;
+use crate::numbers::counted;
 
 /// Endings of files that are written.
 pub const ENDINGS: [&str; 4] = ["json", "npz", "m", "csv"];
@@ -38,7 +39,7 @@ pub fn of_model(
     let mut drives = Vec::new();
     for name in inputs(loaded, options) {
         model.can_move(&name).map_err(failed)?;
-        let Shaken { drive, label, per } = named(loaded, reader, model.linear(), &name)?;
+        let (Shaken { drive, label, per }, _) = named(loaded, reader, model.linear(), &name)?;
         drives.push(NamedDrive { drive, name: label, unit: per });
     }
     let answers = answers(loaded, options)?;
@@ -148,8 +149,10 @@ pub fn write(
     if options.get_flag("json") {
         return Ok(());
     }
-    let (s, m, p) = (found.states.len(), found.inputs.len(), found.outputs.len());
-    writeln!(out, "{path}: x' = A x + B u, y = C x + D u, of {s} states, {m} inputs and {p} outputs")?;
+    let m = found.inputs.len();
+    let states = counted(found.states.len(), "state");
+    let (inputs, outputs) = (counted(m, "input"), counted(found.outputs.len(), "output"));
+    writeln!(out, "{path}: x' = A x + B u, y = C x + D u, of {states}, {inputs} and {outputs}")?;
     if m > 0 {
         told(["inputs reach", "inputs do not reach"], found.uncontrollable(), out)?;
     }

@@ -156,10 +156,10 @@ fn unknowns(
 fn named(loaded: &Loaded, name: &str) -> Result<(Unknown, Sets), Problem> {
     let (description, sampling) = (loaded.system.description(), loaded.system.sampling());
     if let Some(k) = description.inputs.iter().position(|input| input == name) {
-        return Ok((Unknown::Input(k), Sets::Any));
+        return Ok((Unknown::Input(k), Sets::Input(k)));
     }
     if let Some(k) = sampling.place_of(name) {
-        return Ok((Unknown::Memory(k), Sets::Any));
+        return Ok((Unknown::Memory(k), Sets::Memory(k)));
     }
     if description.derived.iter().any(|derived| derived == name)
         || description.parameters.iter().any(|p| p.name == name)

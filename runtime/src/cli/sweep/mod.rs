@@ -347,7 +347,7 @@ fn print(table: &Table, varied: usize, shown: &[String], out: &mut dyn Write) ->
     Ok(())
 }
 
-/// A chart for each of what is shown, over the first of what varies.
+/// A chart for each of what is shown, over the first of what varies; runs that failed are counted in its title, with a cross where each is.
 fn draw(loaded: &Loaded, table: &Table, varied: usize, shown: &[String], [x_log, y_log]: [bool; 2]) -> Figure {
     let columns = names(loaded.system.description());
     let label = |name: &str, log: bool| {
@@ -367,11 +367,15 @@ fn draw(loaded: &Loaded, table: &Table, varied: usize, shown: &[String], [x_log,
         };
         let line = |other: &Vec<Option<f64>>| {
             let rows = table.rows.iter().filter(|row| row.cells[1..varied] == other[..]);
-            let points = rows.map(|row| Some((row.cells[0]?, row.cells[place]?)));
+            // Where a run failed is no end of it.
+            let ends = rows.map(|row| Some(row).filter(|row| row.error.is_empty()));
+            let points = ends.map(|row| row.and_then(|row| Some((row.cells[0]?, row.cells[place]?))));
             let values = table.names[2..].iter().zip(other);
             let title: Vec<String> =
                 values.map(|(name, value)| format!("{name} = {}", short(value.unwrap_or(f64::NAN)))).collect();
-            Series::marked_line(title.join(", "), points)
+            let failed = table.rows.iter().filter(|row| row.cells[1..varied] == other[..] && !row.error.is_empty());
+            let line = Series::marked_line(title.join(", "), points);
+            failed.filter_map(|row| row.cells[0]).fold(line, |line, x| line.failed(x, ""))
         };
         let when = if columns.contains(name) { " at the end" } else { "" };
         let (x, y) = (label(&table.names[1], x_log), label(name, y_log));
@@ -385,7 +389,11 @@ fn draw(loaded: &Loaded, table: &Table, varied: usize, shown: &[String], [x_log,
                 );
             }
         }
-        let empty = Chart::new(format!("{}: {name}{when}", loaded.name), x, y);
+        let failed = match table.rows.iter().filter(|row| !row.error.is_empty()).count() {
+            0 => String::new(),
+            failed => format!(" ({failed} of {} runs failed)", table.rows.len()),
+        };
+        let empty = Chart::new(format!("{}: {name}{when}{failed}", loaded.name), x, y);
         others.iter().map(line).fold(empty, Chart::with)
     };
     Figure::from(shown.iter().map(chart).collect::<Vec<_>>())

@@ -274,17 +274,18 @@ pub fn values(
         if log { y.exp() } else { y }
     };
     // Both ends as they were given.
-    Ok((0..count)
-        .map(|k| {
-            if k == 0 {
-                from
-            } else if k == count - 1 {
-                to
-            } else {
-                between(k)
-            }
-        })
-        .collect())
+    let at = |k: usize| match k {
+        0 => from,
+        k if k == count - 1 => to,
+        k => between(k),
+    };
+    let all: Vec<f64> = (0..count).map(at).collect();
+    if let Sets::Parameter(parameter) = sets {
+        for value in &all {
+            reader.whole_seed(loaded, &format!("--{option}"), parameter, *value)?;
+        }
+    }
+    Ok(all)
 }
 
 pub fn usage(problem: String) -> Problem {

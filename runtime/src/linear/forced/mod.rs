@@ -9,6 +9,7 @@ mod instant;
 mod measured;
 mod motion;
 mod observed;
+mod peak;
 mod response;
 
 #[cfg(test)]
@@ -31,4 +32,5 @@ pub use measured::{Measured, measure};
 pub(in crate::linear) use observed::named_answers;
 pub(in crate::linear) use observed::slopes_of;
 pub use observed::{Observed, observe};
+pub use peak::Peak;
 pub use response::Response;

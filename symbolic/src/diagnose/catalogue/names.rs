@@ -89,7 +89,7 @@ super::entries! {
         "the model's expressions have more than {limit} parts" "" "use smaller sizes"
         "The limit keeps a hostile file from exhausting memory.";
     E230 power_too_large(power, limit) "a power too large"
-        "the integer power {power} is beyond {limit}" "" "write `exp(n*ln(x))` if it is meant"
+        "the integer power {power} is beyond {limit}" "" "write it by smaller ones, such as `x^64*x` or `(x^32)^4`"
         "Integer powers are unrolled into products.";
     E231 undefined_value(text) "a value that does not exist"
         "`{text}` has no value" "" ""

@@ -6,13 +6,13 @@ use super::facts::Depends;
 use super::index::{self, Indices, Refusal};
 use super::integral::{Over, integral};
 use super::rules::Rules;
-use super::scope::Scope;
+use super::scope::{Scope, Section};
 use super::value::{self, Value};
 use crate::diagnose::catalogue::{memory, names, states, syntax};
-use crate::diagnose::{Place, Problem, did_you_mean, rate_meant};
+use crate::diagnose::{Place, Problem, nearest, rate_meant};
 use crate::expr::{DoubleDouble, Id, Rational, Symbol};
 use crate::file::Text;
-use crate::language::{Ast, AstKind, Operator, Range, Span, is_reserved};
+use crate::language::{Ast, AstKind, Operator, Range, Span, function, is_reserved};
 
 /// What a name means inside one expression only.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -390,11 +390,30 @@ impl<'a> Lower<'a> {
         integrand.map(|e| integral(builder, e, over, text.words(body.span), &text.place.at(body.span)))
     }
 
+    /// Whether a name is of a kind that is not refused where the expression stands.
+    fn may_stand_here(&self, name: &str) -> bool {
+        let kind = match self.scope.names.get(name).map(|entry| entry.section) {
+            None if name == "t" => Depends::TIME,
+            Some(Section::Coordinate) => Depends::COORDINATE,
+            Some(Section::State) => Depends::STATE,
+            Some(Section::Memory | Section::Noise) => Depends::MEMORY,
+            Some(Section::Input) => Depends::INPUT,
+            _ => return true,
+        };
+        !self.rules.refused.meets(kind)
+    }
+
     /// A name that means nothing here.
     pub(super) fn unknown(&mut self, name: &str, span: Span) -> Value {
         let locals = self.locals.iter().map(|(local, _)| local.as_str());
-        let known = did_you_mean(name, self.scope.candidates().chain(locals));
-        let help = rate_meant(name, self.scope.moving()).unwrap_or(known);
+        let known = self.scope.candidates().chain(locals).filter(|known| self.may_stand_here(known));
+        let known = match nearest(name, known) {
+            Some(near) if function(near).is_some() => format!("did you mean `{near}(…)`?"),
+            Some(near) => format!("did you mean `{near}`?"),
+            None => String::new(),
+        };
+        let moving = self.scope.moving().filter(|_| !self.rules.refused.meets(Depends::VELOCITY));
+        let help = rate_meant(name, moving).unwrap_or(known);
         let problem = names::unknown_name(self.place(span), name, help);
         self.refuse(problem)
     }

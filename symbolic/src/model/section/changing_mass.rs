@@ -10,7 +10,7 @@ use crate::file::{Spot, Written};
 use crate::model::expression::dimension::Dimension;
 use crate::model::expression::families::Locals;
 use crate::model::expression::rules::Rules;
-use crate::model::resolved::Work;
+use crate::model::resolved::{Input, Work};
 use crate::model::resolver::Resolver;
 
 /// What is asked, and the way out, where the mass changes.
@@ -75,7 +75,9 @@ impl Resolver<'_> {
                     let (label, help) = if changing { MASS_GOES } else { PARTS_MOVE };
                     Some(mechanics::exchange_unsaid(place(), what, &body.name, label, help))
                 }
-                _ if changing && jumps(graph, body.mass) => Some(mechanics::mass_jumps(place(), &body.name)),
+                _ if changing && jumps(graph, &self.model.inputs, body.mass) => {
+                    Some(mechanics::mass_jumps(place(), &body.name))
+                }
                 _ => None,
             };
             self.builder.problems.extend(problem);
@@ -122,8 +124,20 @@ impl Resolver<'_> {
     }
 }
 
-/// Whether an expression has steps, of which no rate tells.
-fn jumps(graph: &Graph, value: Id) -> bool {
-    let steps = |id: &Id| matches!(graph.node(*id), Node::Unary(Unary::Sign | Unary::Step, _));
+/// Whether an expression has steps, by itself or by an input, of which no rate tells.
+fn jumps(graph: &Graph, inputs: &[Input], value: Id) -> bool {
+    let signal = |symbol: Symbol| match symbol {
+        Symbol::Input(place, _) => inputs.get(place as usize).map(|input| input.signal[0]),
+        _ => None,
+    };
+    let signals = graph.symbols([value]).into_iter().filter_map(signal);
+    has_steps(graph, value) || signals.into_iter().any(|signal| has_steps(graph, signal))
+}
+
+/// Whether an expression has steps of its own, or held values.
+pub(in crate::model) fn has_steps(graph: &Graph, value: Id) -> bool {
+    let steps = |id: &Id| {
+        matches!(graph.node(*id), Node::Unary(Unary::Sign | Unary::Step, _) | Node::Symbol(Symbol::Memory(_)))
+    };
     graph.needed([value]).iter().any(steps)
 }

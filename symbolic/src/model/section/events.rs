@@ -58,7 +58,7 @@ impl Resolver<'_> {
                 let phases = self.phase_key(&spot, &member.locals);
                 let active = phases.clone().flatten().unwrap_or_else(|| (0..self.model.phases.len()).collect());
                 let actions = then.as_ref().map(|then| self.actions(then, &active, &member.locals));
-                let happens = self.happens(&cause, &member.locals);
+                let happens = self.happens(&cause, &name, &member.locals);
                 let condition = condition.as_ref().and_then(|text| self.scalar(text, rules, &member.locals));
                 let (Some((trigger, when)), Some(phases)) = (happens, phases) else { continue };
                 let actions = actions.unwrap_or_default();
@@ -98,11 +98,16 @@ impl Resolver<'_> {
     }
 
     /// What makes a member of a family of events happen, and its function.
-    fn happens(&mut self, cause: &Cause<'_>, locals: &Locals) -> Option<(Trigger, Id)> {
+    fn happens(&mut self, cause: &Cause<'_>, name: &str, locals: &Locals) -> Option<(Trigger, Id)> {
         match cause {
             Cause::Zero(when) => {
-                let when = self.scalar(when, Rules::anything("an event"), locals)?;
-                Some((Trigger::Zero, when))
+                let value = self.scalar(when, Rules::anything("an event"), locals)?;
+                if !self.builder.graph.symbols([value]).iter().any(|symbol| symbol.may_change()) {
+                    let place = when.place.at(when.ast.span);
+                    self.builder.problems.push(mechanics::never_happens(place, name));
+                    return None;
+                }
+                Some((Trigger::Zero, value))
             }
             Cause::Ticks(every, from) => Some((Trigger::Tick(self.clock(every, from.as_ref(), locals)?), Id::ONE)),
             Cause::Set(names) => Some((Trigger::Set(self.set_names(names, locals)?), Id::ONE)),

@@ -25,6 +25,14 @@ pub struct DeclaredMemory {
     locals: Locals,
 }
 
+/// Which held value is meant, or how one is declared.
+fn held_or_declared(name: &str, known: &[&str]) -> String {
+    match known {
+        [] => format!("nothing is held: declare it, with what it starts with, `memory: {{{name}: 0}}`"),
+        known => did_you_mean_or(name, known),
+    }
+}
+
 impl Resolver<'_> {
     /// The names and units of held values; what they start with follows when all names are known.
     pub fn memory(&mut self) -> Vec<DeclaredMemory> {
@@ -96,7 +104,7 @@ impl Resolver<'_> {
             let measure = self.scope.units.memory[j];
             let measured = measure.dimension().filter(|dimension| *dimension != Dimension::ONE).map(|d| d.to_string());
             let unit = self.model.memory[j].unit.clone().filter(|unit| unit != "1").or(measured);
-            self.model.outputs.push(Output { name, value: vec![value], unit, of_reactions: false });
+            self.model.outputs.push(Output { name, value: vec![value], unit, measure, of_reactions: false });
         }
     }
 
@@ -153,7 +161,7 @@ impl Resolver<'_> {
                 }
                 _ => {
                     let known: Vec<&str> = self.model.memory.iter().map(|held| held.name.as_str()).collect();
-                    names::unknown_name(spot.place.clone(), &name, did_you_mean_or(&name, &known))
+                    names::unknown_name(spot.place.clone(), &name, held_or_declared(&name, &known))
                 }
             };
             self.builder.problems.push(problem);
@@ -228,7 +236,7 @@ impl Resolver<'_> {
         let Some(entry) = self.scope.names.get(&member.base) else {
             let states = self.model.states.iter().map(|state| state.name.as_str());
             let known: Vec<&str> = self.model.memory.iter().map(|held| held.name.as_str()).chain(states).collect();
-            self.builder.problems.push(names::unknown_name(place, &name, did_you_mean_or(&name, &known)));
+            self.builder.problems.push(names::unknown_name(place, &name, held_or_declared(&name, &known)));
             return None;
         };
         let units = &self.scope.units;

@@ -3,6 +3,7 @@
 //! Each is made of what `memory` and `events` could say, but for the numbers themselves: held values, a clock, and an event that sets them.
 
 use crate::diagnose::catalogue::{mechanics, names, noise, sections};
+use crate::diagnose::{Place, Problem};
 use crate::expr::{Binary, Id, Node, Number, Rational, Symbol, Unary};
 use crate::file::{Quantity, Spot};
 use crate::model::event::{Clock, Event, EventAction, HeldValue, Noise, Set, Target, Trigger};
@@ -128,11 +129,9 @@ impl<'a> Resolver<'a> {
         let Ok(number) = words.trim().parse::<f64>() else {
             return given?.quantity(&mut self.builder.problems).map(Seed::Given);
         };
-        if number.fract() != 0.0 || number.abs() >= LARGEST_SEED {
+        if !is_seed(number) {
             let place = given.map_or_else(|| spot.place.clone(), |seed| seed.place);
-            let (why, help) =
-                (format!("its seed is {words}"), "a seed is a whole number of up to 15 digits, or a parameter");
-            self.builder.problems.push(noise::bad_noise(place, &family.key.name, why, help));
+            self.builder.problems.push(bad_seed(place, &family.key.name, words));
             return None;
         }
         let (place, name) = (self.model.parameters.len() as u32, format!("{}_seed", family.key.name));
@@ -211,9 +210,14 @@ impl<'a> Resolver<'a> {
         self.not_negative_everywhere(&spot.get("sigma").or_else(|| spot.get("density"))?, size)?;
         let clock = self.clock(&spot.get("every")?, spot.get("from").as_ref(), locals)?;
         let (seed, own) = match &declared.seed {
-            Seed::Own(place) => (self.builder.graph.symbol(Symbol::Parameter(*place)), Some(*place)),
+            Seed::Own(place) => {
+                let seed = self.builder.graph.symbol(Symbol::Parameter(*place));
+                self.whole_everywhere(name, spot.get("seed").as_ref().unwrap_or(spot), seed)?;
+                (seed, Some(*place))
+            }
             Seed::Given(quantity) => {
                 let seed = self.setting(quantity, SEED.like(Measure::ONE), locals)?;
+                self.whole_everywhere(name, &spot.get("seed")?, seed)?;
                 match self.builder.graph.node(seed) {
                     Node::Symbol(Symbol::Parameter(place)) => (seed, Some(place)),
                     _ => (seed, None),
@@ -266,6 +270,19 @@ impl<'a> Resolver<'a> {
         Some(())
     }
 
+    /// Reports a seed that is no whole number in some scene.
+    fn whole_everywhere(&mut self, name: &str, spot: &Spot<'_>, seed: Id) -> Option<()> {
+        for scene in 0..self.model.scenes.len() {
+            let parameters = self.scene_parameters(&self.model.scenes[scene]);
+            let number = crate::model::command::evaluate(&self.builder.graph, seed, &parameters);
+            if let Some(number) = number.filter(|number| !is_seed(*number)) {
+                self.builder.problems.push(bad_seed(spot.place.clone(), name, &number.to_string()));
+                return None;
+            }
+        }
+        Some(())
+    }
+
     /// Reports a size that is negative in some scene.
     fn not_negative_everywhere(&mut self, spot: &Spot<'_>, value: Id) -> Option<()> {
         for scene in 0..self.model.scenes.len() {
@@ -280,6 +297,17 @@ impl<'a> Resolver<'a> {
         }
         Some(())
     }
+}
+
+/// Whether a number is a seed.
+pub(in crate::model) fn is_seed(number: f64) -> bool {
+    number.fract() == 0.0 && number.abs() < LARGEST_SEED
+}
+
+/// What noise has that is no seed.
+pub(in crate::model) fn bad_seed(place: Place, name: &str, words: &str) -> Problem {
+    let help = "a seed is a whole number of up to 15 digits, or a parameter that is one";
+    noise::bad_noise(place, name, format!("its seed is {words}"), help)
 }
 
 /// What tells the streams of names apart: FNV-1a, 64 bits.

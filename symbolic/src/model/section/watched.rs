@@ -259,10 +259,12 @@ impl Resolver<'_> {
     fn output(&mut self, name: String, written: &Written, locals: &Locals) -> Value {
         let value = self.builder.written(&self.scope, written, Rules::anything("an output"), locals);
         self.watch(&name, &value);
-        let known = self.builder.measured.dimension().filter(|dimension| *dimension != Dimension::ONE);
+        let measure = self.builder.measured;
+        let known = measure.dimension().filter(|dimension| *dimension != Dimension::ONE);
         let ast = if let Written::One(text) = written { Some(&*text.ast) } else { None };
         let unit = known.map(|dimension| radians::unit(dimension, ast, &self.scope.units.radians));
-        self.model.outputs.push(Output { name, value: components(value.clone(), 1), unit, of_reactions: false });
+        let components = components(value.clone(), 1);
+        self.model.outputs.push(Output { name, value: components, unit, measure, of_reactions: false });
         value
     }
 

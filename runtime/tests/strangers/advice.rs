@@ -1,0 +1,107 @@
+//! Small wrong files that were accepted, and advice that did not work where it was followed.
+
+use super::{folder, program};
+
+/// A mass that moves along a line.
+const HEAD: &str = "name: A\nparameters: {m: 1 kg, far: 3 m, on: 0.3 s, T: 0.1 s, b: 2 m, s: 8}\ncoordinates: {x: m}\n\
+    scene: {start: {x: 2.8, \"x'\": 1}, until: 1}\n";
+const RAW: &str = "kinetic_energy: m*x'^2/2\n";
+
+/// What the program prints of a file with these lines, or what it says is wrong.
+fn told(lines: &str, command: &str, arguments: &[&str]) -> Result<String, String> {
+    let name = lines.len() + 31 * arguments.concat().len();
+    let file = folder("advice").join(format!("{command}-{name}.yaml"));
+    std::fs::write(&file, format!("{HEAD}{lines}")).expect("a file");
+    program(&[&[command, file.to_str().expect("a path")], arguments].concat())
+}
+
+/// What is refused, and what is not when its advice is followed.
+fn refused(code: &str, advice: &str, wrong: &str, right: &str) {
+    let error = told(wrong, "check", &[]).expect_err(wrong);
+    assert!(error.contains(&format!("error[{code}]")) && error.contains(advice) && error.contains(".yaml:"), "{error}");
+    told(right, "check", &[]).unwrap_or_else(|error| panic!("{right}: {error}"));
+}
+
+#[test]
+fn seeds_are_whole_numbers() {
+    let noise = |seed: &str| {
+        format!("{RAW}noise: {{gust: {{every: 10 ms, sigma: 2 N, seed: {seed}}}}}\ngeneralized_forces: {{x: gust}}\n")
+    };
+    refused("E281", "a whole number", &noise("7.5"), &noise("7"));
+    refused("E281", "a whole number", &noise("s/3"), &noise("s/4"));
+    for (seed, name) in [("7", "gust_seed"), ("s", "s")] {
+        let set = |value: &str| told(&noise(seed), "simulate", &["--no-digits", "--set", &format!("{name}={value}")]);
+        for value in ["7.5", "15/2", "1e17"] {
+            let error = set(value).unwrap_err();
+            assert!(error.contains("error[E281]") && error.contains("--set:1:1"), "{error}");
+        }
+        set("9").unwrap();
+        let table = folder("advice").join("seeds.csv");
+        let sweep = |range: &str| {
+            let vary = format!("{name}={range}");
+            told(&noise(seed), "sweep", &["--vary", &vary, "--csv", table.to_str().expect("a path")])
+        };
+        assert!(sweep("1..2:3").unwrap_err().contains("its seed is 1.5"));
+        sweep("1..3:3").unwrap();
+    }
+}
+
+#[test]
+fn events_that_never_happen_are_refused() {
+    let event = |when: &str| format!("{RAW}events: {{e: {{{when}, then: record}}}}\n");
+    for right in ["when: x - far", "when: t - on", "every: on"] {
+        refused("E463", "`when: t - t1`", &event("when: 0"), &event(right));
+        assert!(told(&event(right), "simulate", &["--no-digits"]).unwrap().contains("event e at t = "), "{right}");
+    }
+    refused("E463", "passes 0", &event("when: far - b"), &event("when: x - b"));
+}
+
+#[test]
+fn masses_do_not_jump_by_inputs() {
+    let mass =
+        |input: &str| format!("inputs: {{u: \"{input}\"}}\nbodies: {{body: {{mass: u, position: \"[x, 0]\"}}}}\n");
+    let slow = "m*(1 + min(1, max(0, (t - on)/T)))";
+    refused("E461", "with `min` and `max`", &mass("m*(1 + step(t - on))"), &mass(slow));
+    let error = told(&mass(slow), "simulate", &["--no-digits", "--input", "u=1 + step(t - 0.3)"]).unwrap_err();
+    assert!(error.contains("error[E461]") && error.contains("--input:1:1"), "{error}");
+    told(&mass(slow), "simulate", &["--no-digits", "--input", "u=1 + min(1, max(0, t - 0.3))"]).unwrap();
+    // A force may jump.
+    let force = format!("{RAW}inputs: {{u: 0*m*far/T^2}}\ngeneralized_forces: {{x: u}}\n");
+    told(&force, "simulate", &["--no-digits", "--input", "u=step(t - 0.3)"]).unwrap();
+}
+
+#[test]
+fn remainders_and_powers_are_written_as_is_said() {
+    let output = |value: &str| format!("{RAW}outputs: {{r: \"{value}\"}}\n");
+    let remainder = "b/(2*pi)*atan2(sin(2*pi*x/b), cos(2*pi*x/b))";
+    refused("E107", "b/(2*pi)*atan2(sin(2*pi*a/b), cos(2*pi*a/b))", &output("x%b"), &output(remainder));
+    // At 3.8 m, by 2 m.
+    let text = told(&output(remainder), "simulate", &[]).unwrap();
+    assert!(text.contains("  r = -0.2000000000") || text.contains("  r = -0.1999999999"), "{text}");
+    for right in ["x^64*x", "(x^32)^4", "1/(x^64*x)"] {
+        refused("E230", "`x^64*x` or `(x^32)^4`", &output("x^65"), &output(right));
+    }
+}
+
+#[test]
+fn names_that_are_proposed_may_stand_there() {
+    let event = |memory: &str| format!("{RAW}{memory}events: {{e: {{on_set: n, then: stop}}}}\n");
+    refused("E201", "`memory: {n: 0}`", &event(""), &event("memory: {n: 0}\n"));
+    let error = told(&format!("{RAW}outputs: {{r: sinn}}\n"), "check", &[]).unwrap_err();
+    assert!(error.contains("did you mean `sin(…)`?"), "{error}");
+    // No time and no coordinate where a parameter's value is wanted.
+    for name in ["tt", "xx"] {
+        let error = told(&format!("{RAW}define: {{q: {name}}}\n"), "check", &[]).unwrap_err();
+        assert!(error.contains("did you mean"), "{error}");
+        let error = told(&format!("{RAW}sample: {{x: [0, {name}]}}\n"), "check", &[]).unwrap_err();
+        assert!(error.contains("unknown name") && !error.contains("did you mean"), "{error}");
+    }
+    // What commas tore apart is no key given twice.
+    let torn = format!("{RAW}outputs: {{r: atan2(x, b), q: max(x, b, b)}}\n");
+    refused(
+        "E002",
+        "in double quotes",
+        &torn,
+        &torn.replace("atan2(x, b)", "\"atan2(x, b)\"").replace("max(x, b, b)", "\"max(x, b, b)\""),
+    );
+}
