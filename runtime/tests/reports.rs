@@ -54,7 +54,7 @@ fn what_was_meant_is_what_is_proposed() {
         ("start: {x: 1.5}", "start: {vx: 1}", "did you mean `x'`?"),
         ("start: {x: 1.5}", "start: {x_dot: 1}", "did you mean `x'`?"),
         ("k: 5 N/m", "k: 5 Nmm", "did you mean `N*mm`?"),
-        ("rest: l", "rest: l + 0.1*xdot", "did you mean `x'`?"),
+        ("springs:", "forces: {drag: {on: b, force: \"[-k*l*xdot, 0]\"}}\nsprings:", "did you mean `x'`?"),
         ("rest: l", "rest: ll", "did you mean `l`?"),
         ("springs:", "gravity: -g\nsprings:", "write its components in ground axes: `[0, -g]` along y"),
     ] {

@@ -69,6 +69,7 @@ impl OfPart {
         };
         let pairs = |list: &[u32]| list.iter().flat_map(|k| [2 * *k as usize, 2 * *k as usize + 1]).collect();
         let description = Description {
+            rotations: whole.rotations.iter().filter_map(|first| own(*first)).collect(),
             coordinates: coordinates.iter().filter_map(|i| whole.coordinates.get(*i).cloned()).collect(),
             mass_pattern,
             stiffness_pattern,

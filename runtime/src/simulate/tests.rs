@@ -51,7 +51,7 @@ fn settings_without_meaning_are_refused() {
     assert_eq!(bad(&|s| s.tolerance = 0.0), "`tolerance` is 0; expected a positive number");
     assert_eq!(bad(&|s| s.every = Some(f64::NAN)), "`every` is NaN; expected a positive number");
     assert_eq!(bad(&|s| s.q = vec![f64::INFINITY]), "`start` is inf; expected finite numbers");
-    assert_eq!(bad(&|s| s.v = vec![]), "`start of the rates` has 0 numbers; the mechanism has 1 coordinates");
+    assert_eq!(bad(&|s| s.v = vec![]), "`start of the rates` has 0 numbers; the mechanism has 1 coordinate");
     assert_eq!(bad(&|s| s.method = Method::Euler), "`euler` needs a fixed step: give `step`");
     let unknown = Simulation::new(Toy::oscillator(1.0, 1.0)).scene("rear").run().unwrap_err();
     assert_eq!(unknown.to_string(), "no scene is called `rear`; there are `scene`");

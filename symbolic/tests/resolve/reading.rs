@@ -87,8 +87,9 @@ fn inputs_on_the_command_line() {
     let [u, rate, second] = whole.signal("0.1*cos(3*t)", 0).unwrap();
     let wanted = [0.1 * 1.2_f64.cos(), -0.3 * 1.2_f64.sin(), -0.9 * 1.2_f64.cos()];
     close(&at.values(&whole, &[u, rate, second]), &wanted);
-    let id = whole.signal("5 cm", 0).unwrap()[0];
-    close(&at.values(&whole, &[id]), &[0.05]);
+    let id = whole.signal("5 ms", 0).unwrap()[0];
+    close(&at.values(&whole, &[id]), &[0.005]);
+    assert_eq!(whole.signal("5 cm", 0).unwrap_err()[0].code, "E242");
     assert_eq!(whole.signal("x*t", 0).unwrap_err()[0].code, "E215");
     assert_eq!(whole.signal("sin(m)", 0).unwrap_err()[0].code, "E243");
     close(&[whole.constant("30 deg", Sets::Any, &[]).unwrap()], &[std::f64::consts::PI / 6.0]);

@@ -412,8 +412,12 @@ impl<'a> Lower<'a> {
             Some(near) => format!("did you mean `{near}`?"),
             None => String::new(),
         };
-        let moving = self.scope.moving().filter(|_| !self.rules.refused.meets(Depends::VELOCITY));
-        let help = rate_meant(name, moving).unwrap_or(known);
+        // A rate that may not stand here is not proposed, and nothing that is written like its name either.
+        let help = match rate_meant(name, self.scope.moving()) {
+            Some(_) if self.rules.refused.meets(Depends::VELOCITY) => String::new(),
+            Some(rate) => rate,
+            None => known,
+        };
         let problem = names::unknown_name(self.place(span), name, help);
         self.refuse(problem)
     }
