@@ -1,10 +1,14 @@
 //! Putting steps together to a motion.
 //!
-//! A step is tried until its error is small enough; its dense output is made where anything reads it; what is watched
-//! may end it early: look in `interrupt.rs`; it is written down and taken.  Jumps of the acceleration that
-//! nobody declared: look in `jump.rs`; what is asked of a step between its ends: in `between.rs`; rounding that looks like
-//! errors: in `noise.rs`; constraints at the ends of steps: in `constraints.rs`; phases and impacts: in `phase.rs`; ticks, and what events set: in `set.rs`; events where a motion starts: in `start.rs`; the first
-//! step: in `first.rs`; steps of another run that it follows: in `followed.rs`; how the way to a stop is divided: in `plan.rs`; mechanisms that stand still: in `rest.rs`; a fixed step that suits a tolerance: in `trial.rs`.
+//! A step is tried until its error is small enough; its dense output is made where anything reads it; what is watched may end it early; it is
+//! written down and taken.
+//!
+//! 1. The first step: look in `first.rs`; how the way to a stop is divided: `plan.rs`; a fixed step that suits a tolerance: `trial.rs`; steps of
+//!    another run that are followed: `followed.rs`.
+//! 2. What may end a step early: `interrupt.rs`; jumps of the acceleration that nobody declared: `jump.rs`; what is asked of a step between its
+//!    ends: `between.rs`; rounding that looks like errors: `noise.rs`.
+//! 3. Constraints at the ends of steps: `constraints.rs`; phases and impacts: `phase.rs`; contacts: `contact.rs`.
+//! 4. Events where a motion starts and ends: `start.rs`; ticks, and what events set: `set.rs`; mechanisms that stand still: `rest.rs`.
 
 mod between;
 mod constraints;
@@ -92,12 +96,13 @@ pub(crate) struct Integration {
     /// How many steps were taken before those that are limited.
     free_steps: u64,
     compensated: bool,
-    /// Whether steps are chosen otherwise than usual; and how many were taken since the last stop.
+    /// Whether steps are chosen otherwise than usual.
     decorrelate_steps: bool,
     /// Steps of another run that limit those of this one.
     followed: Option<Followed>,
     /// Events that do nothing, by their places.
     ignored_events: Vec<usize>,
+    /// How many steps were taken since the last stop.
     since_stop: u32,
     /// Where each length of a step costs something, the one that divides the way to the next stop.
     even: f64,

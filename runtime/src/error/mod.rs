@@ -229,7 +229,8 @@ impl fmt::Display for Error {
                 )
             }
             Error::WrongLength { setting, given, expected } => {
-                let (given, expected) = (counted(*given, "number"), counted(*expected, "coordinate"));
+                let counts = if *setting == "memory" { "held value" } else { "coordinate" };
+                let (given, expected) = (counted(*given, "number"), counted(*expected, counts));
                 write!(f, "`{setting}` has {given}; the mechanism has {expected}")
             }
             Error::UnknownName { kind, name, known } => {

@@ -17,12 +17,15 @@ pub(crate) struct Linearised {
 }
 
 impl Linearised {
-    /// Of J with rows divided by their norms and columns in units of the unknowns' scales, as the caller gives it.
+    /// Of J with rows divided by their norms and columns in units of the unknowns' scales, as the caller gives it; slopes that are no numbers
+    /// tell of no direction, and singular values of such have no end.
     pub fn new(j: &DMatrix<f64>) -> Linearised {
         let (rows, columns) = j.shape();
         // With as many rows as columns at least, all directions have a singular value.
         let mut full = DMatrix::zeros(rows.max(columns), columns);
-        full.view_mut((0, 0), (rows, columns)).copy_from(j);
+        if j.iter().all(|slope| slope.is_finite()) {
+            full.view_mut((0, 0), (rows, columns)).copy_from(j);
+        }
         let svd = full.svd(true, true);
         let mut order: Vec<usize> = (0..svd.singular_values.len()).collect();
         order.sort_by(|a, b| svd.singular_values[*b].total_cmp(&svd.singular_values[*a]));
@@ -109,6 +112,9 @@ mod tests {
     #[test]
     fn steps_are_shortest_and_free_directions_are_told() {
         // x + y = 2 from (0, 0): (1, 1), with (1, −1) free.
+        let mut undefined = DMatrix::from_element(3, 3, 1.0);
+        undefined[(1, 1)] = f64::NAN;
+        assert_eq!(Linearised::new(&undefined).rank(), 0);
         let linear = Linearised::new(&DMatrix::from_row_slice(1, 2, &[1.0, 1.0]));
         let step = linear.step(&DVector::from_element(1, -2.0));
         assert!((step - DVector::from_element(2, 1.0)).norm() < 1e-14);

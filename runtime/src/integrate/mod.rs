@@ -7,7 +7,7 @@
 //! 3. [`StepControl`] chooses steps against a [`Tolerance`]: look in `control.rs`.
 //! 4. Between its ends a step is a [`Segment`]: look in `segment.rs`.
 //!
-//! `integration` puts steps together to a motion.
+//! What puts steps together to a motion: look in `crate::driver`.
 
 mod block;
 mod choose;

@@ -384,7 +384,7 @@ impl Recorder {
         self.unlooked = 0;
     }
 
-    /// Looks whether a coordinate singularity, `ahead` seconds on at most, is the reason for what went wrong.
+    /// Looks whether a coordinate singularity is the reason for what went wrong.
     pub fn explain(&self, system: &dyn System, cause: Cause) -> Cause {
         let explicable = matches!(
             cause,

@@ -2,12 +2,12 @@
 //!
 //! 1. States to judge at: look in `states`.
 //! 2. The routes from energies and from bodies agree, entry by entry: look in `agreement`.
-//! 3. It does not matter which body takes a load at a hinge: look in `shared`.
+//! 3. It does not matter which body takes a load at a hinge: look in `hinge_ambiguity`.
 //! 4. Systems of momentum balances hold, and determine the motion: look in `balances`; what would mend one that does
 //!    not is found in `causes`.
 //!    Their reactions are compared with force and moment on bodies: `results`.
 //!    So do they integrated over the instant of an impact: `impulses`.  What impacts change is found in `impacts`.
-//! 5. Forces are tested for potentials (`potential`) and for being counted twice (`twice`); what each entry does is in
+//! 5. Forces are tested for potentials (`potential`) and for being counted twice (`double_counting`); what each entry does is in
 //!    `effects`.
 //!    Forces made of reactions must not drive: `friction`.  Inputs are arbitrary for this: `inputs`.
 //! 6. Constraints are classified, and freedoms counted (`freedoms`, `closure`); rows that follow from others are named

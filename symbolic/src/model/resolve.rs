@@ -119,7 +119,7 @@ fn resolve_through(
     // 3. Where runs start; look in `scenes.rs`.
     let held = resolver.scenes();
     resolver.samples();
-    // 4. What has mass, and what acts on it; look in `bodies.rs`, `loads.rs` and `carriers.rs`.
+    // 4. What has mass, and what acts on it; look in `bodies.rs`, `loads.rs` and `attachment.rs`.
     resolver.finish_bodies(&bodies);
     resolver.gravity();
     resolver.loads(&bodies);

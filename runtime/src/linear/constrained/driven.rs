@@ -251,15 +251,6 @@ impl Constrained {
         whole.answers(seen, &by_multipliers.select_columns(&rows))
     }
 
-    /// As [`observe`](Constrained::observe), of all coordinates.
-    ///
-    /// # Errors
-    /// As [`observe`](Constrained::observe).
-    pub fn observe_coordinates<S: System + ?Sized>(&self, system: &S) -> Result<Observed, LinearError> {
-        let names: Vec<&str> = self.coordinates.iter().map(String::as_str).collect();
-        self.observe(system, &names)
-    }
-
     /// The steady state at a frequency Ω, rad/s, in all coordinates; what inputs move along through constraints stands
     /// beside the modes.
     ///

@@ -9,10 +9,10 @@ const LARGE: usize = 60;
 /// Jacobi's method needs some six sweeps, and a few more for matrices with entries of very different size.
 const MOST_SWEEPS: usize = 40;
 
-/// Eigenvalues and orthonormal eigenvectors, as columns, of a symmetric matrix, in no order; `None` where the
-/// iteration does not end.
+/// Eigenvalues and orthonormal eigenvectors, as columns, of a symmetric matrix, in no order; `None` where an element is no finite number, and
+/// where the iteration of a large matrix does not end.
 ///
-/// Jacobi's rotations for small matrices: the least eigenvalues of a positive matrix are as exact as its entries, in
+/// Jacobi's rotations for small matrices, of which what is left after [`MOST_SWEEPS`] is rounding: the least eigenvalues of a positive matrix are as exact as its entries, in
 /// each row's own measure, beside 1e12 too (Demmel and Veselić 1992).
 pub fn symmetric_eigen(matrix: DMatrix<f64>) -> Option<(DVector<f64>, DMatrix<f64>)> {
     let n = matrix.nrows();
@@ -26,10 +26,10 @@ pub fn symmetric_eigen(matrix: DMatrix<f64>) -> Option<(DVector<f64>, DMatrix<f6
         let solved = SymmetricEigen::try_new(matrix, f64::EPSILON, 100 * n)?;
         return Some((solved.eigenvalues, solved.eigenvectors));
     }
-    jacobi(matrix)
+    Some(jacobi(matrix))
 }
 
-fn jacobi(mut a: DMatrix<f64>) -> Option<(DVector<f64>, DMatrix<f64>)> {
+fn jacobi(mut a: DMatrix<f64>) -> (DVector<f64>, DMatrix<f64>) {
     let n = a.nrows();
     let mut vectors = DMatrix::identity(n, n);
     for _ in 0..MOST_SWEEPS {
@@ -60,7 +60,7 @@ fn jacobi(mut a: DMatrix<f64>) -> Option<(DVector<f64>, DMatrix<f64>)> {
             break;
         }
     }
-    Some((a.diagonal(), vectors))
+    (a.diagonal(), vectors)
 }
 
 /// JᵀAJ and VJ with a rotation J of the coordinates p and q.
