@@ -122,6 +122,7 @@ impl RestingMode {
 ///
 /// # Errors
 /// As [`mode`].
+#[cfg(feature = "cli")]
 pub(super) fn most_moved(system: &dyn System, start: &[f64], number: usize) -> Result<usize, Error> {
     Ok(RestingMode::find(system, start, number)?.largest().0)
 }
