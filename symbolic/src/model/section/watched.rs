@@ -280,7 +280,7 @@ impl Resolver<'_> {
         };
         let own = own.map(|symbol| Value::Scalar(self.builder.graph.symbol(symbol)));
         if *value != Value::Poison && own.as_ref() != Some(value) {
-            self.builder.problems.push(memory::column_taken(place.of_key(), &output.name(), what));
+            self.builder.problems.push(memory::column_taken(place.of_key(), output.name(), what));
         }
     }
 
