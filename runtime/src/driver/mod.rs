@@ -550,6 +550,9 @@ impl Integration {
                         // Dense output makes other stages in the place of these.
                         self.step_times_rate = self.stepper.stiffness(h, self.stiffness.least());
                         self.look_for_jumps(system, step)?;
+                        if error >= self.control.growing() {
+                            self.look_for_noise_that_holds(system, step);
+                        }
                         let proposal = self.control.accepted(h, error).min(self.stepper.convergent());
                         // A step cut short by a stop says nothing against the longer one before it.
                         self.h = if lands { proposal.max(self.h) } else { proposal };

@@ -55,34 +55,65 @@ impl Integration {
         let (ends, rate) = ((start.y, self.stepper.end().y), start.rate);
         let lengths = (self.rejected_step, step.h);
         let suspected = |i: usize| tolerance.suspects(i, (of(before, i), of(after, i)), lengths, (ends, rate));
-        // What nothing moves at first, while others begin to, may be moved by rounding alone: it need not be rejected twice.
-        let begins = self.clock.now() == self.from && rate.iter().any(|rate| *rate != 0.0);
-        let sets_off =
-            |i: usize| begins && rate[n + i] == 0.0 && tolerance.is_moved(i, of(after, i), step.h, (ends, rate));
-        let suspects: Vec<usize> = (0..n).filter(|i| sets_off(*i) || !before.is_empty() && suspected(*i)).collect();
+        let suspects: Vec<usize> = (0..n).filter(|i| !before.is_empty() && suspected(*i)).collect();
         self.rejected.clear();
         self.rejected.extend_from_slice(self.stepper.errors());
         self.rejected_step = step.h;
-        if !suspects.is_empty() {
-            let noise = self.noise(system);
-            let StepPolicy::Adaptive { tolerance, .. } = &mut self.policy else { return };
-            for i in suspects {
-                tolerance.noise(i, noise[i], step.h, of(&self.rejected, i));
-            }
-        }
+        self.look_for_noise_of(system, step, suspects, 1.0);
         let StepPolicy::Adaptive { tolerance, .. } = &mut self.policy else { return };
         tolerance.spread_noise(&self.rejected, step.h);
     }
 
-    /// What rounding makes of each acceleration here: that of the coordinates and of the time, by moving them, and that of the
-    /// terms of the equations, M⁻¹ u m with their running magnitudes m, and what that of reactions leaves of the constraints; 0 where none can be told.
+    /// As [`Integration::look_for_noise`], after a step that was good, but whose error lets no later one be longer.
+    pub(super) fn look_for_noise_that_holds(&mut self, system: &dyn System, step: Step) {
+        self.look_for_noise_of(system, step, Vec::new(), self.control.growing());
+    }
+
+    /// Looks whether the errors of these coordinates are rounding; and those of all that have stayed where they are, which rounding alone may
+    /// move, if one of them has an error of more than `most` units.
+    fn look_for_noise_of(&mut self, system: &dyn System, step: Step, mut suspects: Vec<usize>, most: f64) {
+        let StepPolicy::Adaptive { tolerance, .. } = &self.policy else { return };
+        let n = system.len();
+        let (start, end) = (self.stepper.start(), self.stepper.end());
+        let of = |errors: &[f64], i: usize| [errors[i].abs(), errors[n + i].abs()];
+        let counts = |i: usize| {
+            let units = tolerance.units(i, step.h, (start.y, end.y), start.rate);
+            of(self.stepper.errors(), i).iter().zip(units).any(|(error, unit)| *error > most * unit)
+        };
+        if (0..n).any(|i| tolerance.stays(i) && counts(i)) {
+            suspects.extend((0..n).filter(|i| tolerance.stays(*i)));
+        }
+        if suspects.is_empty() {
+            return;
+        }
+        let (at_end, mut rate) = (end.y.to_vec(), vec![0.0; 2 * n]);
+        let mut noise = self.noise(system);
+        // Reactions that begin in the step make rounding of their own.
+        if self.stepper.evaluate(system, step.next, &at_end, &mut rate).is_ok() {
+            let later = self.noise_at(system, step.next, &at_end, &rate);
+            noise.iter_mut().zip(later).for_each(|(noise, later)| *noise = noise.max(later));
+        }
+        let StepPolicy::Adaptive { tolerance, .. } = &mut self.policy else { return };
+        for i in suspects {
+            tolerance.noise(i, noise[i], step.h, of(self.stepper.errors(), i));
+        }
+    }
+
+    /// As [`Integration::noise_at`], at the present state.
     pub(super) fn noise(&mut self, system: &dyn System) -> Vec<f64> {
-        let (n, now) = (system.len(), self.clock.now());
+        let start = self.stepper.start();
+        let (y, rate) = (start.y.to_vec(), start.rate.to_vec());
+        self.noise_at(system, self.clock.now(), &y, &rate)
+    }
+
+    /// What rounding makes of each acceleration at a state y with this rate: that of the coordinates and of the time, by moving them, and that of the
+    /// terms of the equations, M⁻¹ u m with their running magnitudes m, and what that of reactions leaves of the constraints; 0 where none can be told.
+    fn noise_at(&mut self, system: &dyn System, now: f64, state: &[f64], rate: &[f64]) -> Vec<f64> {
+        let n = system.len();
         let StepPolicy::Adaptive { tolerance, .. } = &self.policy else { return vec![0.0; n] };
         let perturbation: Vec<f64> = (0..n).map(|i| tolerance.perturbation(i)).collect();
-        let start = self.stepper.start();
-        let (from, mut y) = (start.rate[n..].to_vec(), start.y.to_vec());
-        let at = At::packed(now, start.y, n).accelerated(&from);
+        let (from, mut y) = (&rate[n..], state.to_vec());
+        let at = At::packed(now, state, n).accelerated(from);
         let mut noise = by_terms(system, at, self.smooth_until).unwrap_or_else(|| vec![0.0; n]);
         let raise = |noise: &mut [f64], more: Option<Vec<f64>>| {
             noise.iter_mut().zip(more.unwrap_or_default()).for_each(|(noise, more)| *noise = noise.max(more));
@@ -93,7 +124,7 @@ impl Integration {
             // Differences of neighbours show most where these move apart.
             for i in 0..n {
                 let sign = if i % 2 == 0 { side } else { -side };
-                y[i] = self.stepper.start().y[i] + sign * perturbation[i];
+                y[i] = state[i] + sign * perturbation[i];
             }
             if self.stepper.evaluate(system, now + tick * now, &y, &mut rate).is_err() {
                 continue;

@@ -43,6 +43,8 @@ pub(crate) struct StepControl {
     previous: (f64, f64),
     /// What counts as errᵖ at least: smaller errors foretell nothing.
     least: f64,
+    /// The error below which a step may be followed by a longer one.
+    growing: f64,
     rejected: bool,
     /// True until a step was accepted.
     first: bool,
@@ -52,7 +54,8 @@ impl StepControl {
     /// At the start.
     pub fn new(constants: Control) -> Self {
         let least = 1e-4_f64.powf(constants.exponent);
-        StepControl { constants, previous: (0.0, 0.0), least, rejected: false, first: true }
+        let growing = constants.safety.powf(1.0 / constants.exponent);
+        StepControl { constants, previous: (0.0, 0.0), least, growing, rejected: false, first: true }
     }
 
     /// After a restart.
@@ -72,6 +75,11 @@ impl StepControl {
         self.previous = (own.max(self.least), h);
         (self.rejected, self.first) = (false, false);
         h / factor
+    }
+
+    /// The error below which a step may be followed by a longer one.
+    pub fn growing(&self) -> f64 {
+        self.growing
     }
 
     /// The step to try after one of h was rejected with this error (more than 1, or not finite).

@@ -123,8 +123,7 @@ impl Tolerance {
             return usual;
         }
         let i = if k < self.n { k } else { k - self.n };
-        let stays = self.high[i] - self.low[i] <= ROUNDING * self.largest[self.group[i]];
-        let noise = h.abs() * if stays { STAYS * self.noise[i] } else { self.noise[i] };
+        let noise = h.abs() * if self.stays(i) { STAYS * self.noise[i] } else { self.noise[i] };
         let noise = if k < self.n { h.abs() * noise } else { noise };
         larger(usual, larger(noise, self.constraint_round_off[k]))
     }
@@ -232,11 +231,9 @@ impl Tolerance {
         (0..2).any(|k| after[k] > units[k] && after[k] > falls * before[k])
     }
 
-    /// True if coordinate i has been at rest until now, and a step of h with too large an error moves it.
-    pub fn is_moved(&self, i: usize, errors: [f64; 2], h: f64, (ends, rate): ((&[f64], &[f64]), &[f64])) -> bool {
-        let rests = |k: usize| self.low[k] == self.high[k];
-        let units = self.units(i, h, ends, rate);
-        rests(i) && rests(self.n + i) && (0..2).any(|k| errors[k] > units[k])
+    /// Whether coordinate i has stayed where it is until now, but for rounding.
+    pub fn stays(&self, i: usize) -> bool {
+        self.high[i] - self.low[i] <= ROUNDING * self.largest[self.group[i]]
     }
 
     /// Takes note of the noise of an acceleration: what it changes by when every coordinate moves by
