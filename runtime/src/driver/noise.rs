@@ -69,7 +69,7 @@ impl Integration {
         self.look_for_noise_of(system, step, Vec::new(), self.control.growing());
     }
 
-    /// Looks whether the errors of these coordinates are rounding; and those of all that have stayed where they are, which rounding alone may
+    /// Looks whether the errors of these coordinates are rounding; and those of all that rounding alone may
     /// move, if one of them has an error of more than `most` units.
     fn look_for_noise_of(&mut self, system: &dyn System, step: Step, mut suspects: Vec<usize>, most: f64) {
         let StepPolicy::Adaptive { tolerance, .. } = &self.policy else { return };
@@ -80,8 +80,8 @@ impl Integration {
             let units = tolerance.units(i, step.h, (start.y, end.y), start.rate);
             of(self.stepper.errors(), i).iter().zip(units).any(|(error, unit)| *error > most * unit)
         };
-        if (0..n).any(|i| tolerance.stays(i) && counts(i)) {
-            suspects.extend((0..n).filter(|i| tolerance.stays(*i)));
+        if (0..n).any(|i| tolerance.may_be_noise(i, step.h) && counts(i)) {
+            suspects.extend((0..n).filter(|i| tolerance.may_be_noise(*i, step.h)));
         }
         if suspects.is_empty() {
             return;

@@ -231,9 +231,18 @@ impl Tolerance {
         (0..2).any(|k| after[k] > units[k] && after[k] > falls * before[k])
     }
 
-    /// Whether coordinate i has stayed where it is until now, but for rounding.
-    pub fn stays(&self, i: usize) -> bool {
-        self.high[i] - self.low[i] <= ROUNDING * self.largest[self.group[i]]
+    /// Whether rounding alone may be what moves coordinate i in a step of h: it has stayed where it is, or its speed is known better than what
+    /// noise makes of it.
+    pub fn may_be_noise(&self, i: usize, h: f64) -> bool {
+        self.stays(i) || h.abs() * self.noise[i] > self.floors[self.n + i]
+    }
+
+    /// Whether coordinate i has stayed where it is until now, but for rounding: that of coordinates, or what the noise of its acceleration
+    /// makes of it.  From rest a constant acceleration a gives it the speed v over the way s = v²/(2a).
+    fn stays(&self, i: usize) -> bool {
+        let range = |k: usize| self.high[k] - self.low[k];
+        let (way, speed) = (range(i), range(self.n + i));
+        way <= ROUNDING * self.largest[self.group[i]] || speed * speed <= 2.0 * self.noise[i] * way
     }
 
     /// Takes note of the noise of an acceleration: what it changes by when every coordinate moves by
@@ -287,12 +296,15 @@ impl Tolerance {
         PERTURBATION * self.high[i].abs().max(self.low[i].abs())
     }
 
-    /// Coordinates whose accuracy is limited by the rounding of others instead of the tolerance, and to what, in SI;
+    /// Coordinates whose accuracy is limited by the rounding of larger ones instead of the tolerance, and to what, in SI;
     /// not those whose whole motion is no more than that.
     pub fn limited(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         let raised = self.raised.iter().copied().enumerate();
         let range = |i: usize| self.high[i] - self.low[i];
-        raised.filter(move |(i, rounding)| *rounding > self.relative * range(*i) && range(*i) > 4.0 * rounding)
+        let own = |i: usize| ROUNDING * larger(self.high[i].abs(), self.low[i].abs());
+        raised.filter(move |(i, rounding)| {
+            *rounding > own(*i).max(self.relative * range(*i)) && range(*i) > 4.0 * rounding && !self.stays(*i)
+        })
     }
 
     /// How far each component has gone.

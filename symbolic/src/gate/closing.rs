@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::state::State;
 use crate::derive::Rows;
 use crate::expr::{Graph, Id, Measured, Tape};
+use crate::model::Model;
 use crate::number::DoubleDouble;
 
 /// Steps to the constraints at most.
@@ -16,6 +17,8 @@ pub(super) const HOLDS: f64 = 1e-29;
 pub(super) struct Group {
     /// The coordinates that stand in these rows.
     coordinates: Vec<usize>,
+    /// For each of these, the place among them of the first that has its unit.
+    alike: Vec<usize>,
     /// How many rows are holonomic: these stand first.
     holonomic: usize,
     /// How many rows there are.
@@ -53,8 +56,8 @@ pub(super) fn groups(all: &Rows, rows: &[usize]) -> Vec<Vec<usize>> {
 }
 
 impl Group {
-    /// Of these rows among all.
-    pub fn new(graph: &Graph, all: &Rows, rows: Vec<usize>) -> Group {
+    /// Of these rows among all, which stand in this graph.
+    pub fn new((model, graph): (&Model, &Graph), all: &Rows, rows: Vec<usize>) -> Group {
         let (mut ordered, rest): (Vec<usize>, Vec<usize>) = rows.into_iter().partition(|k| all.holonomic[*k]);
         let holonomic = ordered.len();
         ordered.extend(rest);
@@ -66,7 +69,10 @@ impl Group {
         coordinates.sort_unstable();
         coordinates.dedup();
         let column = |i: usize| coordinates.binary_search(&i).unwrap_or_default();
+        let unit = |i: usize| model.coordinates[i].unit.as_deref();
+        let alike = |i: &usize| coordinates.iter().position(|other| unit(*other) == unit(*i)).unwrap_or_default();
         Group {
+            alike: coordinates.iter().map(alike).collect(),
             holonomic,
             rows: ordered.len(),
             values: Tape::new(graph, &of(&all.value, &ordered[..holonomic])),
@@ -90,20 +96,22 @@ impl Group {
         let mut sizes = vec![0.0_f64; self.holonomic];
         for _ in 0..STEPS {
             let c = self.values.measured(|s| state.value(s));
-            match verdict(&c, &mut sizes) {
+            let entries = self.entries(state);
+            match verdict(&c, &self.reach(&entries, &state.q), &mut sizes) {
                 Verdict::Undefined => return false,
                 Verdict::Holds => return true,
                 Verdict::Off => {}
             }
-            let size = norm(&c, &sizes);
             // Near the end nothing is damped, so that every step gains what an `f64` holds.
             let near = c.iter().zip(&sizes).all(|(c, size)| c.value.abs().to_f64() <= 1e-6 * size);
-            let lines = self.lines(state, self.holonomic, weights);
-            let step = least(&lines, &opposite(&c), self.coordinates.len(), if near { 0.0 } else { damping });
+            let lines = self.lines(&entries, self.holonomic, weights);
+            let scales = lengths(&lines, self.holonomic, self.coordinates.len());
+            let step = least(&lines, &scales, &opposite(&c), if near { 0.0 } else { damping });
             let Some(step) = step else { return false };
             let before: Vec<DoubleDouble> = self.coordinates.iter().map(|i| state.q[*i]).collect();
             self.add(&mut state.q, &step, weights);
-            if near || norm(&self.values.measured(|s| state.value(s)), &sizes) < size {
+            // Steps that are short enough bring the state nearer by this measure, which is also theirs.
+            if near || distance(&self.values.measured(|s| state.value(s)), &scales) < distance(&c, &scales) {
                 damping = (damping / 5.0_f64).max(1e-12);
             } else {
                 self.coordinates.iter().zip(before).for_each(|(i, q)| state.q[*i] = q);
@@ -119,16 +127,17 @@ impl Group {
     /// Changes the speeds by the least change, measured by these weights, until the rates of all rows are zero.
     pub fn close_speeds(&self, state: &mut State, weights: &[f64]) -> bool {
         let mut sizes = vec![0.0_f64; self.rows];
-        let mut lines = None;
+        let entries = self.entries(state);
+        let lines = self.lines(&entries, self.rows, weights);
+        let scales = lengths(&lines, self.rows, self.coordinates.len());
         for _ in 0..8 {
             let rates = self.rates.measured(|s| state.value(s));
-            match verdict(&rates, &mut sizes) {
+            match verdict(&rates, &self.reach(&entries, &state.v), &mut sizes) {
                 Verdict::Undefined => return false,
                 Verdict::Holds => return true,
                 Verdict::Off => {}
             }
-            let lines = lines.get_or_insert_with(|| self.lines(state, self.rows, weights));
-            let step = least(lines, &opposite(&rates), self.coordinates.len(), 0.0);
+            let step = least(&lines, &scales, &opposite(&rates), 0.0);
             let Some(step) = step else { return false };
             self.add(&mut state.v, &step, weights);
         }
@@ -142,11 +151,29 @@ impl Group {
         self.coordinates.iter().for_each(|i| state.beside[*i] = largest * weights[*i]);
     }
 
-    /// The first rows of J in `f64`, by coordinates that are measured by these weights.
-    fn lines(&self, state: &State, rows: usize, weights: &[f64]) -> Vec<f64> {
+    /// J's entries in `f64`.
+    fn entries(&self, state: &State) -> Vec<f64> {
+        self.entries.evaluate(|s| state.value(s).to_f64())
+    }
+
+    /// How much the coordinates (or speeds) in `list` move each row, every one taken for as large as the largest with its unit: what constraints
+    /// keep at zero is held to the rounding of these.
+    fn reach(&self, entries: &[f64], list: &[DoubleDouble]) -> Vec<f64> {
+        let mut largest = vec![0.0_f64; self.coordinates.len()];
+        for (i, first) in self.coordinates.iter().zip(&self.alike) {
+            largest[*first] = largest[*first].max(list[*i].to_f64().abs());
+        }
+        let mut reach = vec![0.0; self.rows];
+        for ((row, column), entry) in self.places.iter().zip(entries) {
+            reach[*row] += entry.abs() * largest[self.alike[*column]];
+        }
+        reach
+    }
+
+    /// The first rows of J, by coordinates that are measured by these weights.
+    fn lines(&self, entries: &[f64], rows: usize, weights: &[f64]) -> Vec<f64> {
         let n = self.coordinates.len();
         let mut lines = vec![0.0; rows * n];
-        let entries: Vec<f64> = self.entries.evaluate(|s| state.value(s).to_f64());
         for ((row, column), x) in self.places.iter().zip(entries).filter(|((row, _), _)| *row < rows) {
             lines[row * n + column] = x * weights[self.coordinates[*column]];
         }
@@ -168,15 +195,15 @@ enum Verdict {
     Off,
 }
 
-/// Judges residuals by the largest terms that each was made of so far.
-fn verdict(residuals: &[Measured], sizes: &mut [f64]) -> Verdict {
+/// Judges residuals by the largest terms that each was made of so far, or by what moves it.
+fn verdict(residuals: &[Measured], reach: &[f64], sizes: &mut [f64]) -> Verdict {
     if residuals.iter().any(|c| !c.value.is_finite()) {
         return Verdict::Undefined;
     }
-    residuals.iter().zip(sizes.iter_mut()).for_each(|(c, size)| *size = size.max(c.magnitude));
-    // Where all terms of one vanish, rounding of rounding is left beside those of others.
-    let least = HOLDS * sizes.iter().fold(0.0_f64, |most, size| most.max(*size));
-    let holds = residuals.iter().zip(sizes.iter()).all(|(c, size)| c.value.abs().to_f64() <= HOLDS * size.max(least));
+    for ((c, reach), size) in residuals.iter().zip(reach).zip(sizes.iter_mut()) {
+        *size = size.max(c.magnitude).max(if reach.is_finite() { *reach } else { 0.0 });
+    }
+    let holds = residuals.iter().zip(sizes.iter()).all(|(c, size)| c.value.abs().to_f64() <= HOLDS * size);
     if holds { Verdict::Holds } else { Verdict::Off }
 }
 
@@ -184,18 +211,23 @@ fn opposite(residuals: &[Measured]) -> Vec<f64> {
     residuals.iter().map(|c| -c.value.to_f64()).collect()
 }
 
-fn norm(c: &[Measured], scales: &[f64]) -> f64 {
-    let share = |(c, scale): (&Measured, &f64)| (c.value.to_f64() / scale.max(f64::MIN_POSITIVE)).powi(2);
+/// How far the coordinates are from all rows together, each taken for linear; a row that nothing changes has no part in it.
+fn distance(c: &[Measured], scales: &[f64]) -> f64 {
+    let share = |(c, scale): (&Measured, &f64)| if *scale > 0.0 { (c.value.to_f64() / scale).powi(2) } else { 0.0 };
     c.iter().zip(scales).map(share).sum::<f64>().sqrt()
 }
 
-/// The least step x with A x = b, or where it is damped the least |A x − b|² + damping |x|²: AᵀA is not formed, but
-/// A Aᵀ with its diagonal raised, rows scaled, and what depends on other rows left out.
-fn least(lines: &[f64], right: &[f64], n: usize, damping: f64) -> Option<Vec<f64>> {
-    let m = right.len();
+/// The lengths of so many lines of n numbers.
+fn lengths(lines: &[f64], rows: usize, n: usize) -> Vec<f64> {
+    (0..rows).map(|k| lines[k * n..][..n].iter().map(|x| x * x).sum::<f64>().sqrt()).collect()
+}
+
+/// The least step x with A x = b, or where it is damped the least |A x − b|² + damping |x|², the rows of A and b divided by these scales,
+/// their lengths: AᵀA is not formed, but A Aᵀ with its diagonal raised, and what depends on other rows left out.
+fn least(lines: &[f64], scale: &[f64], right: &[f64], damping: f64) -> Option<Vec<f64>> {
+    let (m, n) = (right.len(), lines.len() / right.len().max(1));
     let line = |k: usize| &lines[k * n..][..n];
     let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
-    let scale: Vec<f64> = (0..m).map(|k| dot(line(k), line(k)).sqrt()).collect();
     let unit = |k: usize| if scale[k] > 0.0 { 1.0 / scale[k] } else { 0.0 };
     let mut gram: Vec<f64> = (0..m * m).map(|k| dot(line(k / m), line(k % m)) * unit(k / m) * unit(k % m)).collect();
     (0..m).for_each(|k| gram[k * m + k] += damping);

@@ -60,20 +60,25 @@ fn changes(model: &Model, motion: &Motion, rotation: &RotationCoordinate, state:
     let mut changes: Vec<(usize, f64)> =
         others.map(|k| (k, part(scaled.a[k].value - state.a[k].value, alike(k)))).collect();
     let [(here, size), (there, other)] = [state, &scaled].map(|state| angular_acceleration(state, rotation.first));
-    let changed = |(a, b): (&DoubleDouble, &DoubleDouble)| (rotation.first, part(*a - *b, size.max(other)));
+    // So is a body that constraints keep from turning, beside what turns.
+    let sizes = model.rotations.iter().map(|other| angular_acceleration(state, other.first).1);
+    let size = sizes.fold(size.max(other), f64::max);
+    let changed = |(a, b): (&DoubleDouble, &DoubleDouble)| (rotation.first, part(*a - *b, size));
     changes.extend(here.iter().zip(&there).map(changed));
     Some(changes)
 }
 
 /// The vector part of 2 q̄ ∘ q''/|q|², with the magnitude of the terms of its largest component: of what turns about an axis the others are
-/// roundings of roundings.
+/// roundings of roundings.  As it would be in units of 1/|2 q'/q|, no term is taken for smaller than 4 |q'|²/|q|²: what constraints keep from
+/// turning has no other.
 fn angular_acceleration(state: &State, first: usize) -> ([DoubleDouble; 3], f64) {
     let q: [DoubleDouble; 4] = std::array::from_fn(|k| state.q[first + k]);
     let a: [Measured; 4] = std::array::from_fn(|k| state.a[first + k]);
     let square = q.iter().fold(DoubleDouble::ZERO, |sum, x| sum + *x * *x);
     let two = DoubleDouble::from(2.0) / square;
     // w a - x b + (z c - y d) and its neighbours in cyclic order.
-    let mut most = 0.0;
+    let rate = state.v[first..first + 4].iter().fold(DoubleDouble::ZERO, |sum, x| sum + *x * *x);
+    let mut most = 2.0 * (two * rate).to_f64();
     let components = std::array::from_fn(|i| {
         let (i, j, k) = (i + 1, (i + 1) % 3 + 1, (i + 2) % 3 + 1);
         let terms = [(q[0], a[i]), (-q[i], a[0]), (q[k], a[j]), (-q[j], a[k])];

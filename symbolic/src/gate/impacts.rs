@@ -131,7 +131,7 @@ fn placed(
         sets.push(defaults);
     }
     let held: Vec<usize> = motion.constraints.active(phase).iter().chain(further).copied().collect();
-    let group = Group::new(graph, rows, held);
+    let group = Group::new((model, graph), rows, held);
     let weights = vec![1.0; motion.n];
     let of_phase = states.iter().filter(|state| state.phase == phase).take(ASKED);
     let pairs = of_phase.flat_map(|state| sets.iter().map(move |set| (state, set)));

@@ -85,6 +85,10 @@ pub(super) fn moved(motion: &Motion, base: &State, line: &Line<'_>, z: DoubleDou
             }
         }
     }
+    // One number of a quaternion may be nearly all of its length, and two of them stand for the same rotation with opposite signs.
+    if matches!(line, Line::Coordinate(..) | Line::Between(_)) {
+        motion.keep_lengths(&mut state, base);
+    }
     motion.signals(&mut state);
     match line {
         Line::Coordinate(i, _) | Line::Speed(i, _) => motion.close_after(&mut state, *i),

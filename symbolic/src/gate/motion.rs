@@ -14,6 +14,8 @@ use crate::number::DoubleDouble;
 pub(super) struct Motion {
     /// How many coordinates there are.
     pub n: usize,
+    /// The first of the four numbers of each rotation.
+    rotations: Vec<usize>,
     inputs: Vec<Tape>,
     /// Held values at the start.
     memory: Tape,
@@ -77,6 +79,7 @@ impl Motion {
         let places: Vec<(usize, usize)> = mass.map(|e| (e.0, e.1)).collect();
         Motion {
             n,
+            rotations: model.rotations.iter().map(|rotation| rotation.first).collect(),
             inputs,
             memory: Tape::new(graph, &starts),
             modes: Tape::new(graph, &modes),
@@ -144,6 +147,19 @@ impl Motion {
         for tape in &self.inputs {
             let u = tape.evaluate(|s| state.value(s));
             state.inputs.push([u[0], u[1], u[2], u[3]]);
+        }
+    }
+
+    /// Gives the quaternions of a state the lengths that they have in another.
+    pub fn keep_lengths(&self, state: &mut State, other: &State) {
+        for numbers in self.rotations.iter().map(|first| *first..first + 4) {
+            let square =
+                |state: &State| state.q[numbers.clone()].iter().fold(DoubleDouble::ZERO, |sum, x| sum + *x * *x);
+            let (own, other) = (square(state), square(other));
+            if own != other && own > DoubleDouble::ZERO {
+                let factor = (other / own).sqrt();
+                state.q[numbers].iter_mut().for_each(|x| *x = *x * factor);
+            }
         }
     }
 

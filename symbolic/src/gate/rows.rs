@@ -3,7 +3,7 @@
 use super::closing::{Group, HOLDS, groups};
 use super::state::State;
 use crate::derive::{Equations, Rows};
-use crate::expr::{Graph, Id, Measured, Symbol, Tape, jacobian};
+use crate::expr::{Id, Measured, Symbol, Tape, jacobian};
 use crate::model::Model;
 use crate::number::DoubleDouble;
 
@@ -60,8 +60,9 @@ pub(super) struct RoughlyHeld {
 }
 
 impl Phase {
-    fn new(graph: &Graph, all: &Rows, rows: Vec<usize>) -> Phase {
-        let groups = groups(all, &rows).into_iter().map(|group| Group::new(graph, all, group)).collect();
+    fn new(model: &Model, all: &Rows, rows: Vec<usize>) -> Phase {
+        let groups =
+            groups(all, &rows).into_iter().map(|group| Group::new((model, &model.graph), all, group)).collect();
         Phase { rows, groups }
     }
 }
@@ -90,7 +91,7 @@ impl Constraints {
         Constraints {
             n: model.coordinates.len(),
             holonomic: rows.holonomic.clone(),
-            phases: model.phases.iter().map(|phase| Phase::new(&model.graph, rows, model.rows_of(phase))).collect(),
+            phases: model.phases.iter().map(|phase| Phase::new(model, rows, model.rows_of(phase))).collect(),
             rates: Tape::new(&model.graph, &rates),
             places: rows.matrix.iter().map(|e| (e.0, e.1)).collect(),
             loads: Tape::new(&model.graph, &loads),
