@@ -2,7 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::mechanism::dense::{SECOND_ROUNDING, constraint_matrix, sizes_alike};
+use crate::integrate::ROUNDING as OF_COORDINATES;
+use crate::mechanism::dense::{constraint_matrix, sizes_alike};
 use crate::mechanism::{At, KktSolver, Singular, System};
 
 /// Brings states back to the constraints that are active, by the least change in the metric of M.
@@ -286,11 +287,11 @@ impl Projection {
         if !self.corrects {
             return None;
         }
-        // Where all terms of a row are rounding of what is zero, that of the coordinates tells how far off it may be.
+        // Where all terms of a row are zero but for rounding, that of the coordinates tells how far off it may be.
         let is_rounding = |row: usize, c: f64| {
             let sizes = DVector::from_vec(sizes_alike(system.description(), place.q));
             let moved = constraint_matrix(system, place, &[row]).abs() * sizes;
-            c.abs() <= SECOND_ROUNDING * moved[0]
+            c.abs() <= OF_COORDINATES * moved[0]
         };
         let mut active = system.active_rows().iter().map(|row| *row as usize);
         active.find_map(|row| {

@@ -5,6 +5,7 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 
 use crate::cause::Cause;
+use crate::integrate::widest;
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{SECOND_ROUNDING, constraint_matrix, constraint_triples, mass_matrix, sizes_alike};
 use crate::mechanism::{At, System};
@@ -131,6 +132,7 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
     pub fn close(&self, y: &mut [f64]) -> Result<(), Box<Cause>> {
         let mut damping = 1e-3;
         let mut scales = vec![0.0_f64; self.holonomic.len()];
+        let widest = widest(self.system.description());
         for _ in 0..ITERATIONS {
             let (c, closed) = self.residual(y);
             if let Some(k) = c.iter().position(|c| !c.is_finite()) {
@@ -162,6 +164,11 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
                     damped[(i, i)] += damping * normal.trace() / normal.nrows().max(1) as f64;
                 }
                 let Some(step) = damped.cholesky().map(|cholesky| cholesky.solve(&gradient)) else { break };
+                // Beyond half a turn an angle is at a place that is nearer the other way.
+                if self.free.iter().zip(step.iter()).any(|(i, s)| s.abs() > 0.5 * widest[*i]) {
+                    damping *= 4.0;
+                    continue;
+                }
                 let mut tried = y.to_vec();
                 self.free.iter().zip(step.iter()).for_each(|(i, s)| tried[*i] -= s);
                 let (after, _) = self.residual(&tried);
