@@ -197,11 +197,14 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
         let (constraint, residual) = (self.name(self.holonomic[worst]), c[worst]);
         let full = self.jacobian(y, &self.holonomic);
         let a = full.select_columns(&self.free);
-        let touched = self.free.iter().any(|i| full[(worst, *i)] != 0.0);
-        if !touched {
+        let row = self.holonomic[worst] as u32;
+        let pattern = &self.system.description().constraint_pattern;
+        if !pattern.iter().any(|(of, i)| *of == row && self.free.contains(&(*i as usize))) {
             return Err(Cause::StartMissesConstraint { constraint, residual }.into());
         }
-        let stationary = (a.transpose() * &c).norm() <= STATIONARY * a.norm() * c.norm();
+        // Where what is free has no effect of first order, another guess may have one.
+        let touched = self.free.iter().any(|i| full[(worst, *i)] != 0.0);
+        let stationary = touched && (a.transpose() * &c).norm() <= STATIONARY * a.norm() * c.norm();
         Err(Cause::Unreachable { constraint, residual, stationary }.into())
     }
 
