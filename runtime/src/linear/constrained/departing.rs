@@ -108,6 +108,23 @@ pub(super) struct Equations {
     measure: DVector<f64>,
 }
 
+/// A matrix without elements that are rounding beside the terms of their rows, as a change of an unknown by its size makes them; the first rows have
+/// these terms, and columns that are not named stay.
+pub(super) fn telling(
+    mut matrix: DMatrix<f64>,
+    terms: &[f64],
+    sizes: impl Iterator<Item = (usize, f64)>,
+) -> DMatrix<f64> {
+    for (j, size) in sizes {
+        for (i, terms) in terms.iter().enumerate() {
+            if (matrix[(i, j)] * size).abs() <= CANCELLED * terms {
+                matrix[(i, j)] = 0.0;
+            }
+        }
+    }
+    matrix
+}
+
 /// The coordinates whose speeds are kept.
 fn kept(given: &[f64]) -> Vec<usize> {
     (0..given.len()).filter(|i| given[*i] != 0.0).collect()
@@ -178,7 +195,7 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
 
     /// Slopes without what is rounding beside the terms of its equation: rows and columns of nothing else would be brought to the size
     /// of the others where they are solved.
-    fn without_rounding(&self, mut matrix: DMatrix<f64>, state: &State, directions: &DMatrix<f64>) -> DMatrix<f64> {
+    fn without_rounding(&self, matrix: DMatrix<f64>, state: &State, directions: &DMatrix<f64>) -> DMatrix<f64> {
         let (n, m) = (self.n, self.rows.len());
         let measure = self.equations_left(state, matrix.nrows()).measure;
         let places = natural_sizes(&self.units(), &state.q);
@@ -186,15 +203,7 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         let rate = |direction: usize| fastest / directions.column(direction).amax();
         let ways = directions.ncols();
         let sizes = places.into_iter().enumerate().chain((0..ways).map(|k| (n + m + k, rate(k))));
-        for (j, size) in sizes {
-            for i in 0..n + 2 * m {
-                let rounding = CANCELLED * measure[i];
-                if (matrix[(i, j)] * size).abs() <= rounding {
-                    matrix[(i, j)] = 0.0;
-                }
-            }
-        }
-        matrix
+        telling(matrix, &measure.as_slice()[..n + 2 * m], sizes)
     }
 }
 

@@ -12,9 +12,11 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
+use super::departing::telling;
 use super::on_its_sides;
 use super::relative::{Small, analysed};
 use super::state::{ConstrainedState, State};
+use crate::linear::matrices::natural_sizes;
 use crate::linear::{Equilibrium, FirstOrder, Guess, LinearError, ZeroStiffness};
 use crate::matrix::solve_least;
 use crate::mechanism::System;
@@ -135,6 +137,14 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
     fn steady(&self, open: &[usize], state: &mut State) -> Result<usize, LinearError> {
         let (n, m) = (self.n, self.rows.len());
         let mut iterations = 0;
+        // A column of nothing but rounding would be brought to the size of the others, and its unknown far away.
+        let sizes = |state: &State| {
+            let places = natural_sizes(&self.units(), &state.q);
+            let rate = places.iter().zip(&state.v).fold(0.0_f64, |most, (size, v)| most.max(v.abs() / size));
+            let rate = if rate > 0.0 { rate } else { 1.0 };
+            let all: Vec<f64> = places.iter().copied().chain(places.iter().map(|size| rate * size)).collect();
+            open.iter().map(|i| all[*i]).collect::<Vec<f64>>().into_iter().enumerate()
+        };
         // A step from an exact state would follow rounding, far along directions in which nothing changes.
         while iterations < ITERATIONS && !self.is_exact(state) {
             let left = self.whole(state);
@@ -150,6 +160,7 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
             if lost || matrix.iter().chain(left.iter()).any(|x| !x.is_finite()) {
                 return Err(self.nowhere(state, iterations));
             }
+            let matrix = telling(matrix, &self.measures(state), sizes(state));
             let right = DMatrix::from_column_slice(left.len(), 1, left.as_slice());
             let Some(step) = solve_least(&matrix, &right) else { return Err(self.nowhere(state, iterations)) };
             let mut part = 1.0;
@@ -181,6 +192,20 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         let fast = state.v.iter().fold(1.0_f64, |most, v| most.max(v.abs()));
         state.v.iter_mut().filter(|v| v.abs() <= REST * fast).for_each(|v| *v = 0.0);
         Ok(iterations)
+    }
+
+    /// What the equations of [`ConstrainedState::whole`] are judged by.
+    fn measures(&self, state: &State) -> Vec<f64> {
+        let terms = self.terms(state);
+        let forces = terms.forces + terms.by_state;
+        let places = self.closed().map(|k| terms.places[k]);
+        forces
+            .iter()
+            .copied()
+            .chain(places)
+            .chain(terms.rates.iter().copied())
+            .chain(terms.biases.iter().copied())
+            .collect()
     }
 
     /// F, c of the rows that hold a place, c' and γ of all: what must vanish.
