@@ -12,6 +12,8 @@ use crate::number::DoubleDouble;
 const STEPS: usize = 60;
 /// A constraint holds when it is this part of its own terms.
 pub(super) const HOLDS: f64 = 1e-29;
+/// Speeds are known to this part of themselves where constraints took nearly all of them.
+const TOLD: f64 = 1e-20;
 
 /// Rows that share coordinates, directly or by way of others, ready to evaluate anywhere.
 pub(super) struct Group {
@@ -144,10 +146,15 @@ impl Group {
         false
     }
 
-    /// Notes what its speeds are known beside, measured by these weights: the largest of them.
-    pub fn note_speeds(&self, state: &mut State, weights: &[f64]) {
+    /// The largest of its speeds, measured by these weights.
+    pub fn fastest(&self, state: &State, weights: &[f64]) -> f64 {
         let size = |i: &usize| if weights[*i] > 0.0 { state.v[*i].to_f64().abs() / weights[*i] } else { 0.0 };
-        let largest = self.coordinates.iter().map(size).fold(0.0, f64::max);
+        self.coordinates.iter().map(size).fold(0.0, f64::max)
+    }
+
+    /// Notes what its speeds are known beside, measured by these weights: the largest of them, or what they are known to of what they were before.
+    pub fn note_speeds(&self, state: &mut State, weights: &[f64], before: f64) {
+        let largest = self.fastest(state, weights).max(HOLDS / TOLD * before);
         self.coordinates.iter().for_each(|i| state.beside[*i] = largest * weights[*i]);
     }
 

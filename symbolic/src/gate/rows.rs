@@ -160,13 +160,14 @@ impl Constraints {
         }
         let weights = self.weights(|s| state.value(s).to_f64());
         let free_v = free(&weights, held_v);
+        let before: Vec<f64> = groups().map(|group| group.fastest(state, &weights)).collect();
         let fastest = state.v.iter().fold(0.0_f64, |most, v| most.max(v.to_f64().abs()));
         if !groups().all(|group| group.close_speeds(state, &free_v)) {
             return false;
         }
         // What is left of a speed by others that it goes with is known as well as these.
         state.beside.resize(state.v.len(), 0.0);
-        groups().for_each(|group| group.note_speeds(state, &weights));
+        groups().zip(before).for_each(|(group, before)| group.note_speeds(state, &weights, before));
         // What the constraints leave no speed is at rest, and not at a rounding of what it had.
         let still = |v: &&mut DoubleDouble| v.abs().to_f64() <= HOLDS * fastest;
         state.v.iter_mut().filter(still).for_each(|v| *v = DoubleDouble::ZERO);
