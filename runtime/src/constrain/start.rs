@@ -158,16 +158,18 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
             }
             let normal = a.transpose() * &a;
             let mut moved = false;
+            // Beyond half a turn an angle is at a place that is nearer the other way.
+            let mut turns = 0.5;
             for _ in 0..60 {
                 let mut damped = normal.clone();
                 for i in 0..damped.nrows() {
                     damped[(i, i)] += damping * normal.trace() / normal.nrows().max(1) as f64;
                 }
-                let Some(step) = damped.cholesky().map(|cholesky| cholesky.solve(&gradient)) else { break };
-                // Beyond half a turn an angle is at a place that is nearer the other way.
-                if self.free.iter().zip(step.iter()).any(|(i, s)| s.abs() > 0.5 * widest[*i]) {
-                    damping *= 4.0;
-                    continue;
+                let Some(mut step) = damped.cholesky().map(|cholesky| cholesky.solve(&gradient)) else { break };
+                let turned =
+                    self.free.iter().zip(step.iter()).fold(0.0_f64, |most, (i, s)| most.max(s.abs() / widest[*i]));
+                if turned > turns {
+                    step *= turns / turned;
                 }
                 let mut tried = y.to_vec();
                 self.free.iter().zip(step.iter()).for_each(|(i, s)| tried[*i] -= s);
@@ -179,7 +181,11 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
                     moved = true;
                     break;
                 }
-                damping *= 4.0;
+                if turned > turns {
+                    turns *= 0.5;
+                } else {
+                    damping *= 4.0;
+                }
             }
             if !moved {
                 break;

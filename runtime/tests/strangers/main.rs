@@ -18,6 +18,7 @@ mod orbits;
 mod pictures;
 mod printing;
 mod reactions;
+mod rotations;
 mod second_runs;
 mod slow;
 mod strikes;
