@@ -5,7 +5,7 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 
 use crate::cause::Cause;
-use crate::matrix::solve_least;
+use crate::matrix::{rank, solve_least, svd};
 use crate::mechanism::dense::{SECOND_ROUNDING, constraint_matrix, constraint_triples, mass_matrix, sizes_alike};
 use crate::mechanism::{At, System};
 
@@ -206,7 +206,8 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
         for _ in 0..100 {
             let (c, _) = self.residual(y);
             let a = self.jacobian(y, &self.holonomic).select_columns(&self.free);
-            let Ok(inverse) = a.clone().pseudo_inverse(1e-10 * a.norm()) else { return };
+            let inverse = svd(a.clone(), true, true).map(|svd| svd.pseudo_inverse(1e-10 * a.norm()));
+            let Some(Ok(inverse)) = inverse else { return };
             let pull = DVector::from_iterator(self.free.len(), self.free.iter().map(|i| self.guess[*i] - y[*i]));
             let step = &pull - &inverse * (&a * &pull) - &inverse * &c;
             let size = step.norm();
@@ -290,7 +291,7 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
                 row.scale_mut(1.0 / norm);
             }
         }
-        j.rank(SINGULAR) == self.free.len()
+        rank(j, SINGULAR) == Some(self.free.len())
     }
 
     /// Refuses a place where the constraints are less independent than elsewhere: what follows there is not determined.
@@ -313,9 +314,11 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
             let norm = line.norm();
             line.scale_mut(if norm > 0.0 { share / norm } else { 0.0 });
         }
-        let mut values: Vec<f64> = j.singular_values().iter().copied().collect();
-        values.sort_by(|a, b| b.total_cmp(a));
-        match rank.checked_sub(1).and_then(|k| values.get(k)) {
+        let Some(svd) = svd(j, false, false) else {
+            return Err(Cause::NonFinite { what: "the slopes of constraints at the start".to_owned() }.into());
+        };
+        // Falling.
+        match rank.checked_sub(1).and_then(|k| svd.singular_values.get(k)) {
             Some(sigma) if *sigma < SINGULAR => Err(Cause::SingularConfiguration { sigma: *sigma }.into()),
             _ => Ok(()),
         }

@@ -17,7 +17,7 @@ use super::turns::Symmetries;
 use crate::linear::equilibrium::LinearisationPoint;
 use crate::linear::matrices::natural_sizes;
 use crate::linear::{Guess, LinearError};
-use crate::matrix::{equilibrated, solve_least};
+use crate::matrix::{equilibrated, solve_least, svd};
 use crate::mechanism::dense::{constraint_matrix, constraint_slopes, constraint_triples, force_slopes};
 use crate::mechanism::{At, System};
 
@@ -151,8 +151,8 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         }
         let (scaled, _, columns) = equilibrated(&all.select_columns(&moved));
         // R of Q R has the singular values of all rows together.
-        let svd = scaled.qr().r().try_svd(false, true, f64::EPSILON, 0).ok_or_else(|| failed.clone())?;
-        let largest = svd.singular_values.iter().fold(0.0_f64, |most, x| most.max(*x));
+        let svd = svd(scaled.qr().r(), false, true).ok_or_else(|| failed.clone())?;
+        let largest = svd.singular_values.max();
         let null: Vec<usize> = (0..moved.len()).filter(|k| svd.singular_values[*k] <= NULL * largest).collect();
         let v_t = svd.v_t.ok_or(failed)?.select_rows(&null);
         let mut basis: Vec<DVector<f64>> = Vec::new();

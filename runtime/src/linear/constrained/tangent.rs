@@ -16,7 +16,7 @@ use super::on_its_sides;
 use super::relative::{Small, analysed};
 use super::state::{ConstrainedState, State};
 use crate::linear::{Equilibrium, FirstOrder, Guess, LinearError, ZeroStiffness};
-use crate::matrix::solve_least;
+use crate::matrix::{solve_least, svd};
 use crate::mechanism::System;
 
 /// A steady motion with constraints, and what becomes of small departures from it.
@@ -306,7 +306,7 @@ pub(super) fn null_space(mut matrix: DMatrix<f64>) -> Option<DMatrix<f64>> {
     // With as many rows as columns all of V is computed.
     let rows = matrix.nrows().max(columns);
     let matrix = matrix.resize(rows, columns, 0.0);
-    let svd = matrix.try_svd(false, true, f64::EPSILON, 0)?;
+    let svd = svd(matrix, false, true)?;
     let largest = svd.singular_values.amax();
     let left: Vec<usize> = (0..columns).filter(|k| svd.singular_values[*k] <= DEPENDENT * largest).collect();
     Some(svd.v_t?.select_rows(&left).transpose())
@@ -323,5 +323,6 @@ mod tests {
         assert_eq!(basis.shape(), (4, 3));
         assert!((rows * &basis).norm() < 1e-14);
         assert!((basis.transpose() * &basis - DMatrix::identity(3, 3)).norm() < 1e-14);
+        assert!(null_space(DMatrix::from_element(3, 4, f64::NAN)).is_none());
     }
 }
