@@ -311,11 +311,13 @@ impl<S: System> Simulation<S> {
 /// The system of balances of this name; `None` for `lagrange`.
 pub(crate) fn derivation(mechanism: &Description, name: &str) -> Result<Option<usize>, Error> {
     let found = mechanism.balances.iter().position(|system| system.name == name);
-    if found.is_some() || name == LAGRANGE {
-        return Ok(found);
-    }
+    if found.is_some() || name == LAGRANGE { Ok(found) } else { Err(no_balances(mechanism, name)) }
+}
+
+/// That no system of balances has this name.
+pub(super) fn no_balances(mechanism: &Description, name: &str) -> Error {
     let known = mechanism.balances.iter().map(|system| system.name.to_string()).collect();
-    Err(Error::UnknownName { kind: "system of balances", name: name.to_owned(), known })
+    Error::UnknownName { kind: "system of balances", name: name.to_owned(), known }
 }
 
 /// The name of the derivation that every mechanism has.
