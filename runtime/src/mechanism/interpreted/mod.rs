@@ -510,8 +510,9 @@ impl System for Interpreted {
         let scenes: Vec<_> = self.interpreter.program().model.all_scenes().collect();
         let searched =
             !self.description.rows.is_empty() || scenes.iter().any(|scene| !scene.start_conditions.is_empty());
-        let first: usize = scenes.iter().take(scene).map(|scene| scene.start_conditions.len()).sum();
-        let scene = scenes[if scene < scenes.len() { scene } else { 0 }];
+        let index = if scene < scenes.len() { scene } else { 0 };
+        let first: usize = scenes[..index].iter().map(|scene| scene.start_conditions.len()).sum();
+        let scene = scenes[index];
         let value = |id| self.interpreter.constant(id);
         Scene {
             q: scene.q.iter().map(|id| value(*id)).collect(),
