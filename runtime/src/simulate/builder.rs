@@ -63,8 +63,8 @@ impl<S: System> Simulation<S> {
                 Simulation { origin, ..self.from(&scene) }
             }
             None => {
-                let known = scenes.iter().map(|scene| scene.to_string()).collect();
-                self.fail(Error::UnknownName { kind: "scene", name: name.to_owned(), known })
+                let error = Error::unknown("scene", name, scenes.iter());
+                self.fail(error)
             }
         }
     }
@@ -73,8 +73,7 @@ impl<S: System> Simulation<S> {
     pub(crate) fn of_motion(mut self, name: &str) -> Result<(Self, usize), Error> {
         let motions = self.system.motions();
         let Some(motion) = motions.iter().position(|motion| motion.name == name) else {
-            let known = motions.iter().map(|motion| motion.name.to_string()).collect();
-            return Err(Error::UnknownName { kind: "motion", name: name.to_owned(), known });
+            return Err(Error::unknown("motion", name, motions.iter().map(|motion| &motion.name)));
         };
         let index = self.system.description().scenes.len() + motion;
         let scene = set_scene(&mut self.system, &self.given, index);
@@ -137,8 +136,8 @@ impl<S: System> Simulation<S> {
                 self
             }
             None => {
-                let known = description.start_names();
-                self.fail(Error::UnknownName { kind: "coordinate", name: name.to_owned(), known })
+                let error = Error::unknown("coordinate", name, description.start_names());
+                self.fail(error)
             }
         }
     }
@@ -155,8 +154,8 @@ impl<S: System> Simulation<S> {
                 self
             }
             None => {
-                let known = inputs.iter().map(|input| input.to_string()).collect();
-                self.fail(Error::UnknownName { kind: "input", name: name.to_owned(), known })
+                let error = Error::unknown("input", name, inputs.iter());
+                self.fail(error)
             }
         }
     }
@@ -316,8 +315,7 @@ pub(crate) fn derivation(mechanism: &Description, name: &str) -> Result<Option<u
 
 /// That no system of balances has this name.
 pub(super) fn no_balances(mechanism: &Description, name: &str) -> Error {
-    let known = mechanism.balances.iter().map(|system| system.name.to_string()).collect();
-    Error::UnknownName { kind: "system of balances", name: name.to_owned(), known }
+    Error::unknown("system of balances", name, mechanism.balances.iter().map(|system| &system.name))
 }
 
 /// The name of the derivation that every mechanism has.
