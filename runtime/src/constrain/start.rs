@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::cause::Cause;
 use crate::matrix::{rank, solve_least, svd};
 use crate::mechanism::dense::{SECOND_ROUNDING, constraint_matrix, constraint_triples, mass_matrix, sizes_alike};
-use crate::mechanism::{At, System};
+use crate::mechanism::{At, System, rows_in_force};
 
 /// What is known of a start: values, and which of them are held.
 #[derive(Clone, Debug)]
@@ -77,7 +77,7 @@ pub(super) struct Closing<'a, S: System + ?Sized> {
 impl<'a, S: System + ?Sized> Closing<'a, S> {
     pub fn new(system: &'a S, start: &Start<'a>) -> Self {
         let n = system.len();
-        let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+        let rows: Vec<usize> = rows_in_force(system).collect();
         let holonomic = rows.iter().copied().filter(|row| system.description().rows[*row].holonomic).collect();
         let free = (0..n).filter(|i| !start.held[*i]).collect();
         Closing { system, t: start.t, n, guess: start.y, held: start.held, rows, holonomic, free }

@@ -16,7 +16,7 @@ use crate::linear::matrices::natural_sizes;
 use crate::linear::{Equilibrium, Guess, LinearError, Linearised, Mode, ZeroStiffness};
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{constraint_triples, mass_matrix};
-use crate::mechanism::{At, System};
+use crate::mechanism::{At, System, rows_in_force};
 
 /// M, C and K of a constrained mechanism in independent coordinates, and how all others follow.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,7 +64,7 @@ pub fn linearise_constrained<S: System + ?Sized>(
     guess: &Guess,
     here: bool,
 ) -> Result<Constrained, LinearError> {
-    let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    let rows: Vec<usize> = rows_in_force(system).collect();
     on_its_sides(system, guess, |system, guess| {
         let mut held = at_rest(system, &rows, guess)?;
         let found = match here {
@@ -83,7 +83,7 @@ pub fn linearise_constrained<S: System + ?Sized>(
 
 /// As [`linearise_constrained`] at a state that is known to be an equilibrium, whose freedom nobody asks for.
 pub(super) fn linearised_at(system: &dyn System, guess: &Guess) -> Result<Linearised, LinearError> {
-    let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    let rows: Vec<usize> = rows_in_force(system).collect();
     on_its_sides(system, guess, |system, guess| {
         let held = at_rest(system, &rows, guess)?;
         let state = held.state(&guess.q, &guess.v);
@@ -145,7 +145,7 @@ pub(super) fn at_rest<'a, S: System + ?Sized>(
 /// # Errors
 /// As [`linearise_constrained`].
 pub fn linearise_driven<S: System + ?Sized>(system: &S, guess: &Guess) -> Result<Constrained, LinearError> {
-    let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    let rows: Vec<usize> = rows_in_force(system).collect();
     on_its_sides(system, guess, |system, guess| {
         let held = ConstrainedState::new(system, &rows, &guess.q);
         held.in_independent_coordinates(&held.state(&guess.q, &vec![0.0; held.n]), 0, &guess.inputs)

@@ -19,7 +19,7 @@ use crate::linear::matrices::natural_sizes;
 use crate::linear::{Guess, LinearError};
 use crate::matrix::{equilibrated, solve_least, svd};
 use crate::mechanism::dense::{constraint_matrix, constraint_slopes, constraint_triples, force_slopes};
-use crate::mechanism::{At, System};
+use crate::mechanism::{At, System, rows_in_force};
 
 /// States at which equations are asked what they depend on, and so many of them must be defined.
 pub(super) const STATES: usize = 6;
@@ -50,7 +50,7 @@ const SAME: f64 = 1e-9;
 pub fn steady_coordinates<S: System + ?Sized>(system: &S, guess: &Guess) -> Result<Vec<usize>, LinearError> {
     let probe = LinearisationPoint::new(system, guess);
     probe.sides_at(&guess.q);
-    let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    let rows: Vec<usize> = rows_in_force(system).collect();
     let system = probe.system.borrow();
     let shifts = ConstrainedState::new(&**system, &rows, &guess.q).shifts(&guess.q)?;
     Ok(shifts.coordinates())
@@ -64,7 +64,7 @@ pub(crate) fn lone_steady_coordinates<S: System + ?Sized>(
 ) -> Result<Vec<usize>, LinearError> {
     let probe = LinearisationPoint::new(system, guess);
     probe.sides_at(&guess.q);
-    let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    let rows: Vec<usize> = rows_in_force(system).collect();
     let system = probe.system.borrow();
     Ok(ConstrainedState::new(&**system, &rows, &guess.q).shifts(&guess.q)?.alone())
 }
@@ -77,7 +77,7 @@ pub(crate) fn lone_steady_coordinates<S: System + ?Sized>(
 pub fn turning_coordinates<S: System + ?Sized>(system: &S, guess: &Guess) -> Result<Vec<usize>, LinearError> {
     let probe = LinearisationPoint::new(system, guess);
     probe.sides_at(&guess.q);
-    let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    let rows: Vec<usize> = rows_in_force(system).collect();
     let system = probe.system.borrow();
     let held = ConstrainedState::new(&**system, &rows, &guess.q);
     let shifts = held.shifts(&guess.q)?;

@@ -17,7 +17,7 @@ use super::relative::{Small, analysed};
 use super::state::{ConstrainedState, State};
 use crate::linear::{Equilibrium, FirstOrder, Guess, LinearError, ZeroStiffness};
 use crate::matrix::{solve_least, svd};
-use crate::mechanism::System;
+use crate::mechanism::{System, rows_in_force};
 
 /// A steady motion with constraints, and what becomes of small departures from it.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,7 +56,7 @@ pub(super) const SAME: f64 = 1e-8;
 /// [`LinearError::NoEquilibrium`], [`LinearError::NotAnEquilibrium`]; [`LinearError::NotSteady`] and
 /// [`LinearError::DependsOnTime`] where the linear model changes as the motion goes on; numbers that are not finite.
 pub fn linearise_tangent<S: System + ?Sized>(system: &S, guess: &Guess, here: bool) -> Result<Tangent, LinearError> {
-    let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    let rows: Vec<usize> = rows_in_force(system).collect();
     on_its_sides(system, guess, |system, guess| {
         let held = ConstrainedState::new(system, &rows, &guess.q);
         let (state, iterations) = match held.turning_guess(guess) {
