@@ -17,7 +17,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     let path = text("output").unwrap_or("-");
     outputs::ends_in(path, &["rs"])?;
     if options.get_flag("check") && path == "-" {
-        return Err(Problem::Usage("error: --check compares with a file; name it by -o FILE.rs".to_owned()));
+        return Err(Problem::usage("--check compares with a file; name it by -o FILE.rs"));
     }
     let name = text("name").map(type_name).transpose()?;
     let model = ModelFile::named(context, asked, sizes(options)?)?;
@@ -55,9 +55,7 @@ fn type_name(name: &str) -> Result<&str, Problem> {
         && !KEYWORDS.contains(&name);
     match fits {
         true => Ok(name),
-        false => {
-            Err(Problem::Usage(format!("error: --name wants the name of a Rust type, as DoublePendulum, not `{name}`")))
-        }
+        false => Err(Problem::usage(format!("--name wants the name of a Rust type, as DoublePendulum, not `{name}`"))),
     }
 }
 

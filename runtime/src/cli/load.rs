@@ -62,7 +62,7 @@ impl ModelFile {
         if !Path::new(name).is_file() {
             let hint = diagnose::did_you_mean(name, models.iter().map(|entry| entry.name));
             let hint = if hint.is_empty() { "`list` names the models".to_owned() } else { hint };
-            return Err(Problem::Usage(format!("error: no model and no file is called `{name}`; {hint}")));
+            return Err(Problem::usage(format!("no model and no file is called `{name}`; {hint}")));
         }
         let source = std::fs::read_to_string(name).map_err(|e| Problem::File(format!("cannot read {name}: {e}")))?;
         let stem = Path::new(name).file_stem().map_or(name.to_owned(), |s| s.to_string_lossy().into_owned());
@@ -251,7 +251,7 @@ pub fn sizes(options: &ArgMatches) -> Result<Vec<(String, i64)>, Problem> {
         .into_iter()
         .map(|(name, value)| {
             let size = value.trim().parse();
-            size.map(|size| (name, size)).map_err(|_| Problem::Usage(format!("error: `{value}` is not an integer")))
+            size.map(|size| (name, size)).map_err(|_| Problem::usage(format!("`{value}` is not an integer")))
         })
         .collect()
 }
@@ -261,11 +261,11 @@ pub fn pairs(options: &ArgMatches, option: &str) -> Result<Vec<(String, String)>
     let mut pairs: Vec<(String, String)> = Vec::new();
     for text in options.get_many::<String>(option).into_iter().flatten() {
         let Some((name, value)) = text.split_once('=') else {
-            return Err(Problem::Usage(format!("error: --{option} wants NAME=VALUE, not `{text}`")));
+            return Err(Problem::usage(format!("--{option} wants NAME=VALUE, not `{text}`")));
         };
         let name = name.trim();
         if pairs.iter().any(|(known, _)| known == name) {
-            return Err(Problem::Usage(format!("error: --{option} gives `{name}` twice")));
+            return Err(Problem::usage(format!("--{option} gives `{name}` twice")));
         }
         pairs.push((name.to_owned(), value.to_owned()));
     }
@@ -284,11 +284,11 @@ pub fn listed_pairs(options: &ArgMatches, option: &str) -> Result<Vec<(String, S
     let mut list: Vec<(String, String)> = Vec::new();
     for part in listed(options, option) {
         let Some((name, value)) = part.split_once('=') else {
-            return Err(Problem::Usage(format!("error: --{option} wants NAME=VALUE, not `{part}`")));
+            return Err(Problem::usage(format!("--{option} wants NAME=VALUE, not `{part}`")));
         };
         let name = name.trim();
         if list.iter().any(|(known, _)| known == name) {
-            return Err(Problem::Usage(format!("error: --{option} gives `{name}` twice")));
+            return Err(Problem::usage(format!("--{option} gives `{name}` twice")));
         }
         list.push((name.to_owned(), value.trim().to_owned()));
     }

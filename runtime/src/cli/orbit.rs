@@ -53,13 +53,13 @@ fn asked(search: OrbitSearch, loaded: &Loaded, place: usize) -> Result<OrbitSear
     let motion = &loaded.system.motions()[place];
     match &motion.goal {
         Goal::Closes(closes) => Ok(search.asking(place, closes)),
-        _ => Err(Problem::Usage(format!("error: {}", crate::NoOrbit::ClosesNot { motion: motion.name.to_string() }))),
+        _ => Err(Problem::usage(format!("{}", crate::NoOrbit::ClosesNot { motion: motion.name.to_string() }))),
     }
 }
 
 /// Follows the family that `--vary` names: `NAME=A..B`, `NAME=A,B,C`, of the energy also `energy=..B`.
 fn varied(search: OrbitSearch, loaded: &Loaded, options: &ArgMatches, text: &str) -> Result<Family, Problem> {
-    let usage = || Problem::Usage(format!("error: --vary wants NAME=A..B or NAME=A,B,C, not `{text}`"));
+    let usage = || Problem::usage(format!("--vary wants NAME=A..B or NAME=A,B,C, not `{text}`"));
     let (name, range) = text.split_once('=').ok_or_else(usage)?;
     let name = name.trim();
     let mut reader = Reader::new(loaded);
@@ -90,8 +90,8 @@ fn mapped(search: OrbitSearch, loaded: &Loaded, text: &str) -> Result<StabilityM
         }
     }
     let [(x, across), (y, up)] = axes.as_slice() else {
-        return Err(Problem::Usage(format!(
-            "error: --map wants two parameters, A=FROM..TO:COUNT,B=FROM..TO:COUNT, not `{text}`"
+        return Err(Problem::usage(format!(
+            "--map wants two parameters, A=FROM..TO:COUNT,B=FROM..TO:COUNT, not `{text}`"
         )));
     };
     let mut reader = Reader::new(loaded);
@@ -108,7 +108,7 @@ fn problem(error: &Error) -> Problem {
     match error {
         Error::NoOrbit(_) | Error::NoSlopes(_) | Error::Linear(_) => Problem::Run(error.to_string()),
         Error::Run(failure) => Problem::Run(failure.to_string()),
-        error => Problem::Usage(format!("error: {error}")),
+        error => Problem::usage(error),
     }
 }
 
@@ -135,15 +135,13 @@ fn described(mut search: OrbitSearch, loaded: &Loaded, options: &ArgMatches) -> 
     }
     for (name, turns) in listed_pairs(options, "turn")? {
         let turns =
-            turns.parse().map_err(|_| Problem::Usage(format!("error: --turn {name}={turns} is no number of turns")))?;
+            turns.parse().map_err(|_| Problem::usage(format!("--turn {name}={turns} is no number of turns")))?;
         search = search.turned(&name, turns);
     }
     if let Some(text) = options.get_one::<String>("from") {
         let mode = text.strip_prefix("mode").map(str::trim).and_then(|number| number.parse().ok());
         let Some(mode) = mode else {
-            return Err(Problem::Usage(format!(
-                "error: --from wants `mode` and its number, as `mode 2`, not `{text}`"
-            )));
+            return Err(Problem::usage(format!("--from wants `mode` and its number, as `mode 2`, not `{text}`")));
         };
         let amplitude = match options.get_one::<String>("amplitude") {
             None => AMPLITUDE,

@@ -153,7 +153,7 @@ impl Reader {
         if self.model.is_none() {
             self.model = Some(loaded.model()?);
         }
-        self.model.as_mut().ok_or_else(|| Problem::Usage("error: the model cannot be read again".to_owned()))
+        self.model.as_mut().ok_or_else(|| Problem::usage("the model cannot be read again"))
     }
 
     /// Applies an option that may be given several times, `NAME=VALUE` or `NAME'=VALUE`.
@@ -337,7 +337,7 @@ pub fn for_search(context: Context<'_>, options: &ArgMatches, files: &[&str]) ->
     outputs::check(options, files, &loaded.path)?;
     let mut settings = set_up(&mut loaded, options)?;
     if let Some(method) = options.get_one::<String>("method") {
-        settings.method = method.parse().map_err(|e| Problem::Usage(format!("error: {e}")))?;
+        settings.method = method.parse().map_err(Problem::usage)?;
     }
     for warning in &loaded.warnings {
         eprintln!("warning: {warning}");
@@ -360,7 +360,7 @@ pub fn motion_index(loaded: &Loaded, options: &ArgMatches) -> Result<Option<usiz
     let Some(name) = options.try_get_one::<String>(MOTION).ok().flatten() else { return Ok(None) };
     let motions = loaded.system.motions();
     if motions.is_empty() {
-        return Err(Problem::Usage(format!("error: `{}` has no `motions`", loaded.name)));
+        return Err(Problem::usage(format!("`{}` has no `motions`", loaded.name)));
     }
     let found = motions.iter().position(|motion| motion.name == *name);
     found.map(Some).ok_or_else(|| unknown("motion", name, motions.iter().map(|motion| motion.name.as_ref())))
@@ -389,8 +389,8 @@ fn parameter_to_set(loaded: &Loaded, options: &ArgMatches, name: &str) -> Result
     // What looks for a rest has `--at` and the flag `--here`. Of an option that is not given clap knows in debug builds only whether there is one.
     let option = if options.ids().any(|id| id == "here") { "at" } else { "start" };
     match found {
-        Err(_) if moves => Err(Problem::Usage(format!(
-            "error: `{name}` is {kind}, and --set is for parameters; write --{option} \"{name}=…\""
+        Err(_) if moves => Err(Problem::usage(format!(
+            "`{name}` is {kind}, and --set is for parameters; write --{option} \"{name}=…\""
         ))),
         found => found,
     }
@@ -404,8 +404,8 @@ pub fn parameter_index(loaded: &Loaded, name: &str) -> Result<usize, Problem> {
     }
     let free: Vec<&str> = description.parameters.iter().map(|p| p.name.as_ref()).collect();
     if description.derived.iter().any(|d| d == name) {
-        return Err(Problem::Usage(format!(
-            "error: `{name}` is computed from other parameters and cannot be set; the free ones are {}",
+        return Err(Problem::usage(format!(
+            "`{name}` is computed from other parameters and cannot be set; the free ones are {}",
             free.join(", ")
         )));
     }
@@ -439,14 +439,14 @@ pub fn place_in_state(loaded: &Loaded, name: &str) -> Result<Place, Problem> {
             let known = description.start_names();
             let name = name.strip_suffix('\'').unwrap_or(name);
             if description.coordinates.iter().any(|c| c.state() == Some(name)) {
-                return Err(Problem::Usage(format!(
-                    "error: `{name}'` is the rate of a state of first order, which the model gives; write `{name}=…`"
+                return Err(Problem::usage(format!(
+                    "`{name}'` is the rate of a state of first order, which the model gives; write `{name}=…`"
                 )));
             }
             let rate =
                 diagnose::rate_meant(name, known.iter().map(String::as_str).filter(|name| !name.ends_with('\'')));
             if let Some(hint) = rate {
-                return Err(Problem::Usage(format!("error: no coordinate is called `{name}`; {hint}")));
+                return Err(Problem::usage(format!("no coordinate is called `{name}`; {hint}")));
             }
             Err(unknown("coordinate", name, known.iter().map(String::as_str)))
         }
@@ -457,5 +457,5 @@ pub fn place_in_state(loaded: &Loaded, name: &str) -> Result<Place, Problem> {
 pub fn unknown<'a>(kind: &str, name: &str, known: impl Iterator<Item = &'a str>) -> Problem {
     let known: Vec<&str> = known.collect();
     let hint = diagnose::did_you_mean_or(name, &known);
-    Problem::Usage(format!("error: no {kind} is called `{name}`; {hint}"))
+    Problem::usage(format!("no {kind} is called `{name}`; {hint}"))
 }

@@ -24,7 +24,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     if let Some(place) = motion_index(&loaded, options)? {
         let numbers = loaded.system.motion_numbers(place);
         let asked = search.asking(place, &loaded.system.motions()[place], numbers);
-        search = asked.map_err(|why| Problem::Usage(format!("error: {why}")))?;
+        search = asked.map_err(Problem::usage)?;
     }
     for (name, text) in listed_pairs(options, "unknown")? {
         let value = read(&mut reader, &loaded, "unknown", (&name, &text))?;
@@ -47,7 +47,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
         }
         Err(Error::Run(failure)) => Err(Problem::Run(failure.to_string())),
         Err(Error::NoSlopes(why)) => Err(Problem::Run(format!("{why}{}", touched(&loaded, &why)))),
-        Err(error) => Err(Problem::Usage(format!("error: {error}"))),
+        Err(error) => Err(Problem::usage(error)),
     }
 }
 
@@ -115,10 +115,7 @@ fn record(path: &str, columns: Option<&str>) -> Result<Record, Problem> {
     let mut places = Vec::with_capacity(named.len());
     for (name, column) in &named {
         let Some(place) = header.iter().position(|known| known == column) else {
-            return Err(Problem::Usage(format!(
-                "error: `{path}` has no column `{column}`; it has {}",
-                header.join(", ")
-            )));
+            return Err(Problem::usage(format!("`{path}` has no column `{column}`; it has {}", header.join(", "))));
         };
         places.push((name.clone(), place));
     }
@@ -134,7 +131,7 @@ fn record(path: &str, columns: Option<&str>) -> Result<Record, Problem> {
     }
     let mut columns: Vec<(String, Vec<f64>)> = places.into_iter().map(|(name, _)| name).zip(lists).collect();
     let Some(time) = columns.iter().position(|(name, _)| name == "t") else {
-        return Err(Problem::Usage(format!("error: which column of `{path}` is time? give --columns \"t=…\"")));
+        return Err(Problem::usage(format!("which column of `{path}` is time? give --columns \"t=…\"")));
     };
     let (_, times) = columns.remove(time);
     Ok(Record { times, columns })

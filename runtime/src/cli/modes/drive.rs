@@ -58,7 +58,7 @@ impl Driven {
         let responds = bode_file.is_some() || range.is_some() || answers.is_some();
         if omega.is_none() && !responds {
             return match options.contains_id("drive") {
-                true => Err(Problem::Usage("error: --drive wants --omega, --bode or --range beside it".to_owned())),
+                true => Err(Problem::usage("--drive wants --omega, --bode or --range beside it")),
                 false => Ok(None),
             };
         }
@@ -82,7 +82,7 @@ impl Driven {
         if let Some(text) = omega {
             let omega = reader.value(loaded, "omega", Sets::Frequency, text)?;
             if omega < 0.0 {
-                return Err(Problem::Usage(format!("error: --omega is `{text}`; a frequency is 0 or more")));
+                return Err(Problem::usage(format!("--omega is `{text}`; a frequency is 0 or more")));
             }
             driven.steady = Some(model.steady(&drive, omega).map_err(failed)?);
             let is_coordinate = |name: &str| driven.axes.iter().any(|axis| axis.0 == name);
@@ -394,8 +394,8 @@ fn drive(loaded: &Loaded, options: &ArgMatches, reader: &mut Reader, model: Mode
     if given.is_empty() {
         let Some(input) = loaded.system.description().inputs.first() else {
             let example = linear.equilibrium.coordinates.first().map_or("", String::as_str);
-            return Err(Problem::Usage(format!(
-                "error: `{}` has no inputs; name a coordinate that a force acts on: --drive {example}",
+            return Err(Problem::usage(format!(
+                "`{}` has no inputs; name a coordinate that a force acts on: --drive {example}",
                 loaded.name
             )));
         };
@@ -438,5 +438,5 @@ fn frequencies(loaded: &Loaded, reader: &mut Reader, text: &str) -> Result<(f64,
     if low > 0.0 && high > low {
         return Ok((low, high));
     }
-    Err(Problem::Usage(format!("error: --range is `{text}`; frequencies go from more than 0 upwards")))
+    Err(Problem::usage(format!("--range is `{text}`; frequencies go from more than 0 upwards")))
 }

@@ -20,8 +20,8 @@ use crate::mechanism::{System, Text, is_of_noise};
 pub fn run(loaded: &Loaded, options: &ArgMatches, guess: Guess, out: &mut dyn Write) -> Result<(), Problem> {
     let given = |option: &&str| options.value_source(option) == Some(ValueSource::CommandLine);
     if let Some(option) = OF_MODES.into_iter().chain(["steady", "here", "state-space"]).find(given) {
-        return Err(Problem::Usage(format!(
-            "error: --{option} is for small motions that are not sampled: leave it out, or leave out --sampled for the open loop"
+        return Err(Problem::usage(format!(
+            "--{option} is for small motions that are not sampled: leave it out, or leave out --sampled for the open loop"
         )));
     }
     let system = &*loaded.system;

@@ -109,13 +109,11 @@ fn holds(
             Place::Coordinate(i) => (i, Sets::Coordinate(i), &mut guess.q),
             Place::Speed(i) if hidden(i) => (i, Sets::Speed(i), &mut guess.v),
             Place::Speed(_) => {
-                return Err(Problem::Usage(format!(
-                    "error: --hold is for places, and `{name}` is a rate; at rest all are 0"
-                )));
+                return Err(Problem::usage(format!("--hold is for places, and `{name}` is a rate; at rest all are 0")));
             }
         };
         if held.iter().any(|(known, _)| *known == place) {
-            return Err(Problem::Usage(format!("error: --hold gives `{name}` twice")));
+            return Err(Problem::usage(format!("--hold gives `{name}` twice")));
         }
         if let Some(value) = value {
             list[place] = reader.value(loaded, "hold", sets, value)?;
@@ -138,7 +136,7 @@ fn unknowns(
             text.split_once('=').map_or((text.trim(), None), |(name, value)| (name.trim(), Some(value)));
         let (found, sets) = named(loaded, name)?;
         if unknowns.contains(&found) {
-            return Err(Problem::Usage(format!("error: --solve gives `{name}` twice")));
+            return Err(Problem::usage(format!("--solve gives `{name}` twice")));
         }
         if let Some(value) = value {
             let value = reader.value(loaded, "solve", sets, value)?;
