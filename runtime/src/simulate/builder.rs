@@ -49,19 +49,10 @@ impl<S: System> Simulation<S> {
     }
 
     /// Another scene of the model file.
-    pub fn scene(mut self, name: &str) -> Self {
+    pub fn scene(self, name: &str) -> Self {
         let scenes = &self.system.description().scenes;
         match scenes.iter().position(|scene| scene == name) {
-            Some(index) => {
-                let scene = set_scene(&mut self.system, &self.given, index);
-                self.settings.memory = Some(self.system.scene_memory(index));
-                let origin = Origin {
-                    scene: Some(index),
-                    given: vec![false; 2 * self.system.len()],
-                    tolerance: self.origin.tolerance,
-                };
-                Simulation { origin, ..self.from(&scene) }
-            }
+            Some(index) => self.at_scene(index),
             None => {
                 let error = Error::unknown("scene", name, scenes.iter());
                 self.fail(error)
@@ -70,17 +61,22 @@ impl<S: System> Simulation<S> {
     }
 
     /// A run of a motion of the model file, and its place.
-    pub(crate) fn of_motion(mut self, name: &str) -> Result<(Self, usize), Error> {
+    pub(crate) fn of_motion(self, name: &str) -> Result<(Self, usize), Error> {
         let motions = self.system.motions();
         let Some(motion) = motions.iter().position(|motion| motion.name == name) else {
             return Err(Error::unknown("motion", name, motions.iter().map(|motion| &motion.name)));
         };
         let index = self.system.description().scenes.len() + motion;
+        Ok((self.at_scene(index), motion))
+    }
+
+    /// At the scene of this place, those of motions after the file's.
+    fn at_scene(mut self, index: usize) -> Self {
         let scene = set_scene(&mut self.system, &self.given, index);
         self.settings.memory = Some(self.system.scene_memory(index));
-        let origin =
-            Origin { scene: Some(index), given: vec![false; 2 * self.system.len()], tolerance: self.origin.tolerance };
-        Ok((Simulation { origin, ..self.from(&scene) }, motion))
+        let given = vec![false; 2 * self.system.len()];
+        let origin = Origin { scene: Some(index), given, tolerance: self.origin.tolerance };
+        Simulation { origin, ..self.from(&scene) }
     }
 
     /// Start, end, tolerance and spacing of a scene.
@@ -323,8 +319,9 @@ pub(crate) const LAGRANGE: &str = "lagrange";
 
 /// Sets what a scene sets, where the file's value was given, in place of what another scene set; returns the scene.
 fn set_scene<S: System>(system: &mut S, given: &[f64], index: usize) -> Scene {
+    let now = system.parameters();
     for (parameter, value) in given.iter().enumerate() {
-        if system.parameters().get(parameter) != Some(value) {
+        if now.get(parameter) != Some(value) {
             system.set_parameter(parameter, *value);
         }
     }
