@@ -133,7 +133,7 @@ impl Integration {
                         continue;
                     }
                     if !actions.iter().all(sets) {
-                        locator.log(system, *event, (now, &y), actions.contains(&Action::Stop), recorder);
+                        locator.record_one(system, *event, (now, &y), actions.contains(&Action::Stop), recorder);
                     }
                 }
                 if Some(*event) == self.ends_after {
@@ -207,7 +207,7 @@ impl Integration {
         let fired = locator.already_past(system, (now, self.stepper.start().y), entered);
         for Fired { event, actions, .. } in &fired {
             let stops = actions.contains(&Action::Stop);
-            locator.log(system, *event, (now, self.stepper.start().y), stops, recorder);
+            locator.record_one(system, *event, (now, self.stepper.start().y), stops, recorder);
         }
         Ok(fired)
     }

@@ -236,7 +236,7 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         if self.is_exact(&state) {
             return Ok(Found { state, iterations: 0, slow: None });
         }
-        let mut pace = ConvergenceHistory::default();
+        let mut history = ConvergenceHistory::default();
         for iterations in 0..ITERATIONS {
             let lost = state.q.iter().any(|q| q.abs() > FAR);
             let Some((step, rows)) = (if lost { None } else { self.step(&state) }) else {
@@ -257,17 +257,17 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
             let largest = step.iter().zip(&sizes).fold(0.0_f64, |most, (step, size)| most.max(step.abs() / size));
             match better {
                 Some((part, next)) if largest > f64::EPSILON => {
-                    pace.note(largest, part, largest);
+                    history.note(largest, part, largest);
                     state = next;
                 }
                 // As good as rounding lets it be, or nowhere.
-                _ if self.stays(&state) => return Ok(Found { state, iterations, slow: pace.slow }),
+                _ if self.stays(&state) => return Ok(Found { state, iterations, slow: history.slow }),
                 Some((_, next)) => state = next,
                 None => return Err(self.nowhere(&state, iterations)),
             }
         }
         match self.stays(&state) {
-            true => Ok(Found { state, iterations: ITERATIONS, slow: pace.slow }),
+            true => Ok(Found { state, iterations: ITERATIONS, slow: history.slow }),
             false => Err(self.nowhere(&state, ITERATIONS)),
         }
     }

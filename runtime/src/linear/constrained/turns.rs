@@ -191,7 +191,7 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         let (v, a) = (DVector::from_column_slice(&state.v), DVector::from_column_slice(&state.a));
         let (slopes, mass) = (self.slopes(&state), self.mass(&state));
         let (by_place, by_speed) = (slopes.view((0, 0), (n, n)), slopes.view((0, n), (n, n)));
-        let (jacobian, tilt, force) = (self.jacobian(&state), self.rate_jacobian(&state), self.force(&state));
+        let (jacobian, rate_jacobian, force) = (self.jacobian(&state), self.rate_jacobian(&state), self.force(&state));
         let sized = DVector::from_column_slice(sizes);
         let mut effects = self.effects(&state);
         effects.column_iter_mut().for_each(|mut column| column.component_mul_assign(&sized));
@@ -201,7 +201,7 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
             let (xi, speed, rate) = (candidate.field(&far, sizes), candidate.turned(&v), candidate.turned(&a));
             // Aᵀ = −A.
             let parts = [by_place * &xi, by_speed * &speed, &mass * rate, -candidate.turned(&force)];
-            let rows = [&tilt * &xi, &jacobian * &speed];
+            let rows = [&rate_jacobian * &xi, &jacobian * &speed];
             for i in 0..n {
                 all[(i, column)] = sizes[i] * parts.iter().map(|part| part[i]).sum::<f64>();
                 let largest = parts.iter().fold(0.0_f64, |most, part| most.max((sizes[i] * part[i]).abs()));

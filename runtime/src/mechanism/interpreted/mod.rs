@@ -257,7 +257,7 @@ impl System for Interpreted {
     fn start_conditions(&self, at: At<'_>) -> Vec<(f64, f64)> {
         let wanted = self.interpreter.program().start_condition_values();
         let mut values = vec![0.0; wanted.len()];
-        self.complete(Function::Also, at, true, &mut values);
+        self.complete(Function::StartConditions, at, true, &mut values);
         values.into_iter().zip(wanted).map(|(value, id)| (value, self.interpreter.constant(id))).collect()
     }
 
