@@ -14,7 +14,7 @@ use super::{Context, Problem, families, outputs, stability_maps, value_files};
 use crate::Error;
 use crate::find::Value;
 use crate::mechanism::Goal;
-use crate::numbers::counted;
+use crate::numbers::{counted, spaced};
 use crate::orbit::{Family, Multiplier, Orbit, OrbitSearch, StabilityMap};
 use crate::run::written;
 use crate::show::has_units;
@@ -62,7 +62,7 @@ fn varied(search: OrbitSearch, loaded: &Loaded, options: &ArgMatches, text: &str
     let usage = || Problem::usage(format!("--vary wants NAME=A..B or NAME=A,B,C, not `{text}`"));
     let (name, range) = text.split_once('=').ok_or_else(usage)?;
     let name = name.trim();
-    let mut reader = Reader::new(loaded);
+    let mut reader = Reader::default();
     let mut value = |text: &str| {
         let is_parameter = loaded.system.description().parameters.iter().any(|parameter| parameter.name == name);
         let sets = if is_parameter { Sets::Parameter(parameter_index(loaded, name)?) } else { Sets::Energy };
@@ -94,7 +94,7 @@ fn mapped(search: OrbitSearch, loaded: &Loaded, text: &str) -> Result<StabilityM
             "--map wants two parameters, A=FROM..TO:COUNT,B=FROM..TO:COUNT, not `{text}`"
         )));
     };
-    let mut reader = Reader::new(loaded);
+    let mut reader = Reader::default();
     let mut values = |name: &str, range: &str| {
         let sets = Sets::Parameter(parameter_index(loaded, name)?);
         points::values(loaded, &mut reader, ("map", sets), range)
@@ -114,7 +114,7 @@ fn problem(error: &Error) -> Problem {
 
 /// With what the options say.
 fn described(mut search: OrbitSearch, loaded: &Loaded, options: &ArgMatches) -> Result<OrbitSearch, Problem> {
-    let mut reader = Reader::new(loaded);
+    let mut reader = Reader::default();
     if let Some(text) = options.get_one::<String>("period") {
         search = search.period(reader.value(loaded, "period", Sets::Time, text)?);
     }
@@ -182,13 +182,10 @@ fn report(loaded: &Loaded, orbit: &Orbit, options: &ArgMatches, out: &mut dyn Wr
     writeln!(out, "{}: {steps}, {pieces} run", loaded.name)?;
     // A model without units knows neither seconds nor joules.
     let [second, joule] = if has_units(&orbit.run.description) { [" s", " J"] } else { [""; 2] };
-    writeln!(out, "  period = {}{second}", text(&orbit.period))?;
+    writeln!(out, "  period = {}{second}", orbit.period.written())?;
     for value in &orbit.start {
-        let unit = match orbit.run.unit(&value.name) {
-            unit if unit.is_empty() => unit,
-            unit => format!(" {unit}"),
-        };
-        writeln!(out, "  {} = {}{unit}", value.name, text(value))?;
+        let unit = spaced(&orbit.run.unit(&value.name));
+        writeln!(out, "  {} = {}{unit}", value.name, value.written())?;
     }
     if let Some(energy) = orbit.energy {
         writeln!(out, "  energy = {}{joule}", crate::numbers::short(energy))?;
@@ -220,10 +217,6 @@ fn report(loaded: &Loaded, orbit: &Orbit, options: &ArgMatches, out: &mut dyn Wr
         crate::numbers::short(orbit.returns)
     )?;
     Ok(())
-}
-
-fn text(value: &Value) -> String {
-    written(value.value, if value.error.is_nan() { f64::INFINITY } else { value.error })
 }
 
 /// Multipliers with the digits that hold; those that are too small for a number by their logarithm.

@@ -173,15 +173,15 @@ pub fn put(
     };
     check(options, &["output"], model)?;
     ends_in(path, endings)?;
-    fs::write(path, text).map_err(|problem| Problem::File(format!("cannot write `{path}`: {problem}")))
+    write(path, text)
 }
 
 /// Writes a file that was looked at before.
 ///
 /// # Errors
 /// [`Problem::File`].
-pub fn write(path: &str, text: &str) -> Result<(), Problem> {
-    fs::write(path, text).map_err(|problem| Problem::File(format!("cannot write `{path}`: {problem}")))
+pub fn write(path: &str, bytes: impl AsRef<[u8]>) -> Result<(), Problem> {
+    fs::write(path, bytes).map_err(|problem| Problem::File(format!("cannot write `{path}`: {problem}")))
 }
 
 /// Files that are there only to be tried; they go when all are known.

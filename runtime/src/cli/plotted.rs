@@ -38,7 +38,7 @@ impl Shown {
             return Err(Problem::usage("--show draws beside a page: `--animate FILE.html`"));
         }
         let section = options.get_one::<String>("section");
-        let section = section.map(|text| Reader::new(loaded).value(loaded, "section", Sets::Time, text)).transpose()?;
+        let section = section.map(|text| Reader::default().value(loaded, "section", Sets::Time, text)).transpose()?;
         if section.is_some_and(|period| period <= 0.0) {
             return Err(Problem::usage("--section wants a time greater than 0"));
         }

@@ -121,7 +121,7 @@ fn choose_scene(loaded: &mut Loaded, options: &ArgMatches, scene: usize) -> Resu
     for (index, value) in loaded.system.scene_parameters(scene) {
         loaded.system.set_parameter(index, value);
     }
-    let mut reader = Reader::new(loaded);
+    let mut reader = Reader::default();
     if let Some(path) = options.get_one::<String>("params") {
         value_files::parameters(loaded, &mut reader, path)?;
     }
@@ -137,6 +137,7 @@ fn choose_scene(loaded: &mut Loaded, options: &ArgMatches, scene: usize) -> Resu
 }
 
 /// Reads expressions of the model language; the model is resolved when the first one comes.
+#[derive(Default)]
 pub struct Reader {
     model: Option<Model>,
     /// What the user should know of values that were read.
@@ -144,10 +145,6 @@ pub struct Reader {
 }
 
 impl Reader {
-    pub fn new(_loaded: &Loaded) -> Self {
-        Reader { model: None, notes: Vec::new() }
-    }
-
     /// The model with its names.
     pub fn model(&mut self, loaded: &Loaded) -> Result<&mut Model, Problem> {
         if self.model.is_none() {
@@ -215,9 +212,7 @@ impl Reader {
         let found = self.model(loaded)?.constant(text, sets, &parameters);
         found.map_err(|problems| Problem::Usage(file::render(place, text, &problems)))
     }
-}
 
-impl Reader {
     /// Refuses a value of a parameter that is a seed and no whole number.
     pub fn whole_seed(&mut self, loaded: &Loaded, place: &str, parameter: usize, value: f64) -> Result<(), Problem> {
         let seeds = loaded.system.held_noise();
@@ -336,15 +331,21 @@ pub fn for_search(context: Context<'_>, options: &ArgMatches, files: &[&str]) ->
     let mut loaded = Loaded::find(context, options)?;
     outputs::check(options, files, &loaded.path)?;
     let mut settings = set_up(&mut loaded, options)?;
-    if let Some(method) = options.get_one::<String>("method") {
-        settings.method = method.parse().map_err(Problem::usage)?;
-    }
+    set_method(&mut settings, options)?;
     for warning in &loaded.warnings {
         eprintln!("warning: {warning}");
     }
     let origin = origin(&loaded, options)?;
     let system = loaded.system.boxed_clone();
     Ok((loaded, (system, settings, origin)))
+}
+
+/// With `--method`.
+pub fn set_method(settings: &mut Settings, options: &ArgMatches) -> Result<(), Problem> {
+    if let Some(method) = options.get_one::<String>("method") {
+        settings.method = method.parse().map_err(Problem::usage)?;
+    }
+    Ok(())
 }
 
 /// The scene of `--scene`, or that of the motion of `--motion`.

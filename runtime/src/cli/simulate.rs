@@ -15,10 +15,10 @@ use serde_json::{Value, json};
 use super::json::{number, object};
 use super::load::Loaded;
 use super::plotted::Shown;
-use super::set_up::{set_up, set_up_scene};
+use super::set_up::{set_method, set_up, set_up_scene};
 use super::{Context, Problem, compare, drawn, enforcement, outputs, slopes, symmetries, value_files};
 use crate::mechanism::{self, Action, ContactMode, Description, Enforcement, Stabilisation, Target};
-use crate::numbers::short;
+use crate::numbers::{short, spaced};
 use crate::run::{RunPart, Work};
 use crate::show::{Animation, has_units};
 use crate::simulate::{LAGRANGE, estimate_global_error};
@@ -143,9 +143,7 @@ pub fn outcome(
 
 /// With `--method`, `--together` and what is said of constraints.
 fn by_options(mut settings: Settings, options: &ArgMatches) -> Result<Settings, Problem> {
-    if let Some(method) = options.get_one::<String>("method") {
-        settings.method = method.parse().map_err(Problem::usage)?;
-    }
+    set_method(&mut settings, options)?;
     settings.apart &= !options.get_flag("together");
     enforcement::choose(options, &mut settings)?;
     Ok(settings)
@@ -327,10 +325,7 @@ fn in_words(
     out: &mut dyn Write,
 ) -> Result<(), Problem> {
     let last = run.last();
-    let unit = |name: &str| match run.unit(name) {
-        unit if unit.is_empty() => unit,
-        unit => format!(" {unit}"),
-    };
+    let unit = |name: &str| spaced(&run.unit(name));
     writeln!(out, "{} at t = {}, by {}", loaded.name, run.written_end(&last), run.by())?;
     for (name, value) in last.entries() {
         writeln!(out, "  {name} = {}{}", run.written(&name, value), unit(&name))?;

@@ -70,7 +70,7 @@ mod unformed;
 
 use crate::derive::{Derivation, Equations, Rows, derive, derive_with_masses};
 use crate::diagnose::catalogue::{mechanics, verdicts};
-use crate::diagnose::{Place, Problem};
+use crate::diagnose::{Place, Problem, listed};
 use crate::expr::Id;
 use crate::model::command::evaluate;
 use crate::model::{Load, Model, Sample, Work, rate_name};
@@ -377,15 +377,6 @@ fn dependent_rows(
 
 /// Where other values of the parameters would decide otherwise.
 const PARTICULAR: &str = " for these values of the parameters";
-
-/// "`a`, `b` and `c`".
-fn listed(names: &[String]) -> String {
-    match names.split_last() {
-        Some((last, others)) if !others.is_empty() => format!("{} and {last}", others.join(", ")),
-        Some((last, _)) => last.clone(),
-        None => String::new(),
-    }
-}
 
 /// A file with constraints in which nothing has mass: their forces would hold nothing.
 fn weightless(model: &Model, equations: &[Equations]) -> Vec<Problem> {

@@ -17,6 +17,7 @@ use super::failed;
 use super::model::Model;
 use super::shaken::{Shaken, named};
 use crate::linear::{Linearised, Mode, Peak, Response, Steady, short, short_beside, short_within, turned};
+use crate::numbers::spaced;
 
 /// Below this part of its static stiffness a coordinate by itself is near resonance.
 const NEAR_RESONANCE: f64 = 0.3;
@@ -376,14 +377,6 @@ fn degrees(x: &Complex<f64>) -> f64 {
 fn short4(x: f64) -> String {
     let rounded: f64 = format!("{x:.3e}").parse().unwrap_or(x);
     short(rounded)
-}
-
-/// ` m`, or nothing.
-fn spaced(unit: &str) -> String {
-    match unit {
-        "" | "1" => String::new(),
-        unit => format!(" {unit}"),
-    }
 }
 
 /// What `--drive` names: the first input if it is absent.

@@ -290,10 +290,6 @@ fn failed(error: LinearError) -> Problem {
     Problem::Run(format!("{error}{hint}"))
 }
 
-fn write_file(path: &str, text: String) -> Result<(), Problem> {
-    std::fs::write(path, text).map_err(|problem| Problem::File(format!("cannot write `{path}`: {problem}")))
-}
-
 /// `A..B`, both expressions of the model language.
 fn range(loaded: &Loaded, reader: &mut Reader, option: &str, sets: Sets, text: &str) -> Result<(f64, f64), Problem> {
     let Some((from, to)) = text.split_once("..") else {

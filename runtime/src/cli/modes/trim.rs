@@ -13,6 +13,7 @@ use super::super::plotted::parts;
 use super::super::set_up::{Place, Reader, parameter_index, place_in_state, unknown};
 use super::failed;
 use crate::linear::{Guess, TrimmedValue, Unknown, trim_steady};
+use crate::numbers::spaced;
 
 /// So many digits of a value are printed at most.
 const DIGITS: f64 = 12.0;
@@ -62,7 +63,7 @@ impl Trim {
         writeln!(out, "{name}: trimmed with {} held", held.join(", "))?;
         for (found, unit) in &self.found {
             let TrimmedValue { name, from, value, uncertainty, .. } = found;
-            let unit = if matches!(unit.as_str(), "" | "1") { String::new() } else { format!(" {unit}") };
+            let unit = spaced(unit);
             let (value, from) = (digits(*value, *uncertainty), digits(*from, 0.0));
             writeln!(out, "  {name} = {value}{unit}, sought from {from}")?;
         }

@@ -97,7 +97,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
 /// Writes the table as NumPy's arrays.
 fn write_arrays(path: &str, table: &Table) -> Result<(), Problem> {
     let bytes = table.to_npz().ok_or_else(|| Problem::File(npz::too_large(path)))?;
-    std::fs::write(path, bytes).map_err(|problem| Problem::File(format!("cannot write `{path}`: {problem}")))
+    outputs::write(path, bytes)
 }
 
 /// All rows of the table, those that failed with why.

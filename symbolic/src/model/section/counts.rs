@@ -3,6 +3,7 @@
 use rustc_hash::FxHashMap as HashMap;
 
 use crate::diagnose::catalogue::mechanics;
+use crate::diagnose::counted;
 use crate::expr::{Id, Symbol, substitute};
 use crate::model::expression::facts::Depends;
 use crate::model::resolved::{BalanceSystem, Constraint};
@@ -116,9 +117,4 @@ fn row(symbol: Symbol) -> Option<usize> {
         Symbol::Multiplier(row) => Some(row as usize),
         _ => None,
     }
-}
-
-/// `1 row`, `2 rows`.
-fn counted(number: usize, of: &str) -> String {
-    format!("{number} {of}{}", if number == 1 { "" } else { "s" })
 }
