@@ -83,16 +83,16 @@ pub trait Real:
         self.select_nonnegative(self, -self)
     }
 
-    /// −1, 0 or 1; `sign(0)` is 0.
+    /// −1, 0 or 1; `sign(0)` is 0, and NaN is that of NaN.
     #[inline]
     fn sign(self) -> Self {
         self.step() - (-self).step()
     }
 
-    /// Heaviside's function, 1 at 0.
+    /// Heaviside's function, 1 at 0; NaN of NaN.
     #[inline]
     fn step(self) -> Self {
-        self.select_nonnegative(Self::ratio(1.0, 1.0), Self::ratio(0.0, 1.0))
+        by_sign(self, [1.0, 0.0].map(Self::from_f64), Self::from_f64(f64::NAN))
     }
 
     /// A table at this argument, or one of its derivatives there.
@@ -113,17 +113,23 @@ pub trait Real:
         Self::gather(|lane| normal(key, self.lane(lane), place.lane(lane)))
     }
 
-    /// The smaller of two.
+    /// The smaller of two; NaN where one of them is.
     #[inline]
     fn min(self, other: Self) -> Self {
-        (other - self).select_nonnegative(self, other)
+        by_sign(other - self, [self, other], self + other)
     }
 
-    /// The larger of two.
+    /// The larger of two; NaN where one of them is.
     #[inline]
     fn max(self, other: Self) -> Self {
-        (self - other).select_nonnegative(self, other)
+        by_sign(self - other, [self, other], self + other)
     }
+}
+
+/// The first where x ≥ 0, the second where x < 0, `neither` where x is NaN: as the difference of a NaN and anything is, and that of two equal infinities.
+#[inline]
+fn by_sign<T: Real>(x: T, [nonnegative, negative]: [T; 2], neither: T) -> T {
+    x.select_nonnegative(nonnegative, (-x).select_nonnegative(negative, neither))
 }
 
 macro_rules! real_for_float {
@@ -238,4 +244,32 @@ pub(crate) fn round(x: f64) -> f64 {
     return x.round();
     #[cfg(not(feature = "std"))]
     return libm::round(x);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn nan_stays_nan<T: Real>() {
+        let of = |x: f64| T::from_f64(x);
+        let nan = of(f64::NAN);
+        assert!([nan.step(), nan.sign(), nan.abs()].iter().all(|x| x.lane(0).is_nan()));
+        let infinity = f64::INFINITY;
+        for x in [-infinity, -1.0, -0.0, 0.0, 1.0, infinity] {
+            let of_both = [nan.min(of(x)), of(x).min(nan), nan.max(of(x)), of(x).max(nan)];
+            assert!(of_both.iter().all(|x| x.lane(0).is_nan()), "{x}");
+            assert_eq!(of(x).step().lane(0), f64::from(u8::from(x >= 0.0)), "{x}");
+            assert_eq!(of(x).sign().lane(0), if x == 0.0 { 0.0 } else { x.signum() }, "{x}");
+            for y in [-infinity, -0.0, 0.0, 1.0, infinity] {
+                assert_eq!(of(x).min(of(y)).lane(0), f64::min(x, y), "{x}, {y}");
+                assert_eq!(of(x).max(of(y)).lane(0), f64::max(x, y), "{x}, {y}");
+            }
+        }
+    }
+
+    #[test]
+    fn floats_keep_nan() {
+        nan_stays_nan::<f64>();
+        nan_stays_nan::<f32>();
+    }
 }

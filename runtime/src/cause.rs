@@ -229,6 +229,8 @@ pub enum Cause {
     OscillatesTooFast {
         /// The event's name, or the argument as the model file has it.
         function: String,
+        /// What it is too fast for.
+        limit: TooFast,
     },
     /// The ends of a spring or damper meet, so that the line along which it acts has no direction; or a norm or a root in a force
     /// becomes zero.
@@ -257,6 +259,18 @@ pub enum Cause {
         /// The limit.
         limit: u64,
     },
+}
+
+/// What a function oscillates too fast for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum TooFast {
+    /// So many samples in one step do not tell its zeros apart.
+    Samples(u64),
+    /// Functions that it is made of turn too often in one step.
+    Inside,
+    /// It depends on time alone, and has more zeros in a short part of the run than can be listed.
+    InTime,
 }
 
 /// Why a motion has no power series.
@@ -544,10 +558,21 @@ impl fmt::Display for Cause {
                  and roots no slope; stop before it by an event on what becomes zero",
                 t = short(*t)
             ),
-            Cause::OscillatesTooFast { function } => write!(
-                f,
-                "`{function}` oscillates too fast: more than 100000 samples in one step do not tell its zeros apart"
-            ),
+            Cause::OscillatesTooFast { function, limit } => {
+                write!(f, "`{function}` oscillates too fast: ")?;
+                match limit {
+                    TooFast::Samples(most) => {
+                        write!(f, "more than {most} samples in one step do not tell its zeros apart")
+                    }
+                    TooFast::Inside => write!(f, "functions within it turn too often in one step to be followed"),
+                    TooFast::InTime => {
+                        write!(
+                            f,
+                            "it depends on time alone, and has more zeros in a millionth of the run than can be listed"
+                        )
+                    }
+                }
+            }
             Cause::NoSeries { reason } => write!(f, "there is no power series any more, since {reason}"),
             Cause::NeedsMoreSteps { step, needed, limit } => write!(
                 f,

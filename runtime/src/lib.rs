@@ -79,7 +79,7 @@ mod vary;
 /// The linear algebra of matrices and complex numbers that this crate returns, in the version that it returns them in.
 pub use nalgebra;
 
-pub use cause::{Cause, GimbalLock, NoSeries};
+pub use cause::{Cause, GimbalLock, NoSeries, TooFast};
 pub use constrain::Residuals;
 #[cfg(feature = "macros")]
 pub use dalembert_macros::model;

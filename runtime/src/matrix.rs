@@ -90,7 +90,11 @@ pub(crate) fn solve_least(matrix: &DMatrix<f64>, right: &DMatrix<f64>) -> Option
 
 /// The singular value decomposition, with the left and the right vectors where they are asked for; `None` of numbers that are not finite, and where no
 /// iteration ends: by itself nalgebra's has no limit.
-pub(crate) fn svd(matrix: DMatrix<f64>, left: bool, right: bool) -> Option<SVD<f64, Dyn, Dyn>> {
+pub(crate) fn svd<T: ComplexField<RealField = f64>>(
+    matrix: DMatrix<T>,
+    left: bool,
+    right: bool,
+) -> Option<SVD<T, Dyn, Dyn>> {
     /// What counts as 0 beside its neighbours, in roundings: where the least never does, more may.
     const ROUNDINGS: [f64; 3] = [5.0, 25.0, 125.0];
     if matrix.iter().any(|x| !x.is_finite()) {
@@ -99,6 +103,11 @@ pub(crate) fn svd(matrix: DMatrix<f64>, left: bool, right: bool) -> Option<SVD<f
     let most = 100 * matrix.nrows().max(matrix.ncols()).max(10);
     let tried = |roundings: f64| matrix.clone().try_svd(left, right, roundings * f64::EPSILON, most);
     ROUNDINGS.into_iter().find_map(tried)
+}
+
+/// How many singular values are above a threshold; `None` as of [`svd`].
+pub(crate) fn rank(matrix: DMatrix<f64>, threshold: f64) -> Option<usize> {
+    svd(matrix, false, false).map(|svd| svd.rank(threshold))
 }
 
 /// Whether a matrix is symmetric but for rounding.
@@ -123,6 +132,15 @@ mod tests {
             matrix.chunks(3).map(|row| row.iter().zip(&expected).map(|(a, x)| a * x).sum()).collect();
         solve_lu(&factors, &pivots, &mut x);
         assert!(x.iter().zip(&expected).all(|(x, expected)| (x - expected).norm() < 1e-13), "{x:?}");
+    }
+
+    #[test]
+    fn what_is_no_number_has_no_singular_values() {
+        assert_eq!(rank(DMatrix::from_row_slice(2, 2, &[1.0, 2.0, 2.0, 4.0]), 1e-12), Some(1));
+        for x in [f64::NAN, f64::INFINITY] {
+            assert_eq!(rank(DMatrix::from_element(3, 4, x), 1e-12), None);
+            assert!(svd(DMatrix::from_element(3, 4, Complex::new(0.0, x)), true, true).is_none());
+        }
     }
 
     #[test]

@@ -57,6 +57,11 @@ pub(crate) fn counted(count: usize, one: &str) -> String {
     if count == 1 { format!("1 {one}") } else { format!("{count} {one}s") }
 }
 
+/// ` m`: a unit behind a number; nothing for a pure number and where there is no unit.
+pub(crate) fn spaced(unit: &str) -> String {
+    if matches!(unit, "" | "1") { String::new() } else { format!(" {unit}") }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

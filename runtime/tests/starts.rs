@@ -191,3 +191,14 @@ scene: {{start: {{z: 0}}, until: 1}}"
         assert!((run.last()["z"] - 4.905).abs() + (run.last()["x"] - x).abs() < 1e-9, "{a}: {:?}", run.last());
     }
 }
+
+/// Scenes that are none are the first, with its own equations of the start.
+#[test]
+fn a_scene_that_is_none_is_the_first() {
+    let text = "name: Turn\nparameters: {m: 1 kg}\ncoordinates: {x: m, y: m}\nbodies: {b: {mass: m, position: \"[x, y]\"}}\n\
+        conserved: {spin: \"m*(x*y' - y*x')\"}\nscene: {start: {x: 1, y: 0}, also: {spin: 1}, until: 1}\n";
+    let program = compile(text, &[]).unwrap_or_else(|problems| panic!("{problems:?}"));
+    let system = Interpreted::new(program, text);
+    assert_eq!(system.scene(0).start_conditions, 0..1);
+    assert_eq!(system.scene(99).start_conditions, 0..1);
+}

@@ -1,5 +1,6 @@
 //! Motions that repeat, against references of twenty digits and more and closed forms.
 
+use dalembert::prelude::*;
 use dalembert_models::MODELS;
 use dalembert_tests::told::{near, number, reference, written};
 use serde_json::Value;
@@ -449,6 +450,21 @@ fn every_motion_of_the_library_is_found() {
         }
     }
     assert!(count >= 5, "{count}");
+}
+
+/// In the library a motion of a file is searched for by its name, too.
+#[test]
+fn a_motion_of_a_file_is_found_by_its_name() {
+    let pendulum = dalembert_models::double_pendulum::DoublePendulum::default();
+    let orbit = pendulum.simulate().orbit_of("swing").find().expect("an orbit");
+    let asked = told(&["double_pendulum", "--motion", "swing"]).expect("an orbit");
+    near(orbit.period.value, number(&asked["period"]["value"]), 1e-10);
+    let unknown = pendulum.simulate().orbit_of("nothing").find().expect_err("no such motion").to_string();
+    assert!(unknown.contains("there are `swing`"), "{unknown}");
+    let ball = dalembert_models::cannon_ball::CannonBall::default();
+    let name = ball.system().motions()[0].name.to_string();
+    let error = ball.simulate().orbit_of(&name).find().expect_err("a flight").to_string();
+    assert!(error.contains("does not say how it closes"), "{error}");
 }
 
 #[test]

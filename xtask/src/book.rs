@@ -19,7 +19,7 @@ const LINKED: [(&str, &[&str]); 3] =
 /// # Errors
 /// Files that cannot be read or written, mdBook that is missing or refuses.
 pub fn build() -> Result<String, String> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().ok_or("no workspace")?;
+    let root = &crate::root();
     let site = root.join("target/book");
     let _ = fs::remove_dir_all(&site);
     for (folder, endings) in LINKED {

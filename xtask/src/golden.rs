@@ -8,6 +8,8 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
+use crate::root;
+
 /// Commands whose answers are recorded, with their options.
 const COMMANDS: [(&str, &[&str]); 5] =
     [("check", &["--json"]), ("show", &[]), ("show", &["--rust"]), ("simulate", &["--json"]), ("modes", &["--json"])];
@@ -89,10 +91,6 @@ fn first_difference(name: &str, before: &str, now: &str) -> String {
             }
         }
     }
-}
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new(".")).to_owned()
 }
 
 fn folder() -> PathBuf {

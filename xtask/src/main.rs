@@ -5,6 +5,7 @@ mod golden;
 mod man;
 mod page;
 
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 const USAGE: &str = "\
@@ -13,6 +14,11 @@ cargo xtask golden            compare with what was written down, and tell what 
 cargo xtask book              build the book in docs/book as a web site, with mdBook
 cargo xtask page -o FOLDER     write dalembert.html there: the library in a browser, as one file
 cargo xtask man -o FOLDER      write a man page of the program and of each of its commands there";
+
+/// The workspace's folder.
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new(".")).to_owned()
+}
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

@@ -30,7 +30,7 @@ const STACK: u32 = 8 << 20;
 /// # Errors
 /// A build that fails, files that cannot be read or written.
 pub fn build(folder: &str) -> Result<String, String> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().ok_or("no workspace")?;
+    let root = &crate::root();
     let library = fs::read(library(root)?).map_err(|error| format!("the library: {error}"))?;
     let packed = miniz_oxide::deflate::compress_to_vec_zlib(&library, 9);
     let mut files = Map::new();

@@ -87,8 +87,8 @@ fn reduced(loaded: &mut Loaded, options: &ArgMatches) -> Result<Option<Result<Ne
         return Ok(None);
     }
     let found = match options.contains_id("input") {
-        true => Err(Problem::Usage(
-            "error: what can be left out is found with the inputs of the file; write the input there, or leave --input out".into(),
+        true => Err(Problem::usage(
+            "what can be left out is found with the inputs of the file; write the input there, or leave --input out",
         )),
         false => needs::request(loaded, options).and_then(|request| needs::find(&request, loaded)),
     };
@@ -135,7 +135,7 @@ fn methods(
         return Ok(default(&*loaded.system, settings));
     };
     let read = |name: &str| -> Result<Candidate, Problem> {
-        let method: Method = name.trim().parse().map_err(|e| Problem::Usage(format!("error: {e}")))?;
+        let method: Method = name.trim().parse().map_err(Problem::usage)?;
         Ok(Candidate::new(method.name(), &*loaded.system, Settings { method, ..settings.clone() }))
     };
     list.split(',').map(read).collect()
@@ -161,8 +161,8 @@ fn twin(
         *columns = components(other.system.description()).into_iter().filter(|name| names.contains(name)).collect();
     }
     if columns.is_empty() {
-        return Err(Problem::Usage(format!(
-            "error: {} and {name} have no output of one name, by which they could be compared",
+        return Err(Problem::usage(format!(
+            "{} and {name} have no output of one name, by which they could be compared",
             loaded.name
         )));
     }
@@ -201,7 +201,7 @@ fn said<T>(measure: impl FnOnce(&mut dyn FnMut(&str) -> ControlFlow<()>) -> Resu
     }
     found.map_err(|error| match error {
         Error::NoReference { .. } | Error::Run(_) => Problem::Run(error.to_string()),
-        _ => Problem::Usage(format!("error: {error}")),
+        _ => Problem::usage(error),
     })
 }
 

@@ -3,6 +3,7 @@
 use std::io::Write;
 
 use clap::ArgMatches;
+use dalembert_symbolic::diagnose::quoted;
 use dalembert_symbolic::expr::{Id, Symbol};
 use dalembert_symbolic::file;
 use dalembert_symbolic::gate::{Conservative, Nature, Origin, Report, shared_data};
@@ -50,7 +51,7 @@ fn one(context: Context<'_>, name: &str, options: &ArgMatches, out: &mut dyn Wri
     }
     let text = ModelFile::named(context, name, sizes(options)?)?;
     let derived = derived_for_runs(&text.path, &text.source, &text.sizes);
-    let program = derived.map_err(|problems| Problem::Model(file::render(&text.path, &text.source, &problems)))?;
+    let program = derived.map_err(|problems| text.problem(&problems))?;
     let (n, states) = (program.model.mechanical(), program.model.states.len());
     let first_order = match states {
         0 => String::new(),
@@ -90,8 +91,7 @@ fn one(context: Context<'_>, name: &str, options: &ArgMatches, out: &mut dyn Wri
         if events.is_empty() {
             writeln!(out, "  {name} is conserved{condition}, worst {worst:.1e}")?;
         } else {
-            let by: Vec<String> = events.iter().map(|event| format!("`{event}`")).collect();
-            let by = by.join(", ");
+            let by = quoted(events);
             let sets = |event: &&String| {
                 let found = model.events.iter().find(|known| known.name == **event);
                 found.is_some_and(|event| event.actions.iter().any(|action| matches!(action, EventAction::Set(_))))
@@ -132,7 +132,7 @@ fn as_json(context: Context<'_>, name: &str, options: &ArgMatches, out: &mut dyn
     let program = match derived_for_runs(&text.path, &text.source, &text.sizes) {
         Ok(program) => program,
         Err(problems) => {
-            let wrong = Problem::Model(file::render(&text.path, &text.source, &problems));
+            let wrong = text.problem(&problems);
             let problems = mistakes(&text.source, &problems);
             let name = text.name.into();
             write(&object([("name", name), ("problems", problems), ("error", wrong.as_json())]), out)?;

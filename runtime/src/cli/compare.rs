@@ -25,7 +25,7 @@ struct Line {
 /// Runs by Lagrange's equations and by every system of balances, and prints a table.
 pub fn run(loaded: &mut Loaded, settings: &Settings, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     if let Some(name) = ["csv", "plot", "animate"].iter().find(|name| options.contains_id(name)) {
-        return Err(Problem::Usage(format!("error: `--by all` compares; for --{name} choose one derivation")));
+        return Err(Problem::usage(format!("`--by all` compares; for --{name} choose one derivation")));
     }
     let systems = loaded.system.description().balances.len();
     // Balances know no parts: with the same steps the difference is that of the equations.
@@ -36,7 +36,7 @@ pub fn run(loaded: &mut Loaded, settings: &Settings, options: &ArgMatches, out: 
         let (run, failure) = match crate::simulate(&mut *loaded.system, settings) {
             Ok(run) => (run, None),
             Err(Error::Run(failure)) => (failure.run.clone(), Some(failure.to_string())),
-            Err(error) => return Err(Problem::Usage(format!("error: {error}"))),
+            Err(error) => return Err(Problem::usage(error)),
         };
         let description = loaded.system.description();
         let (name, equations) = match system {

@@ -28,8 +28,8 @@ pub fn check(loaded: &Loaded, options: &ArgMatches) -> Result<(), Problem> {
             format!("write into the file, for its bodies, `draw: [{}, {{trace: \"{}\"}}]`", circles.join(", "), all[0])
         }
     };
-    Err(Problem::Usage(format!(
-        "error: --animate has nothing to draw, since {} has no `draw`; {advice} (`line` and `spring` join points: see `draw` in \
+    Err(Problem::usage(format!(
+        "--animate has nothing to draw, since {} has no `draw`; {advice} (`line` and `spring` join points: see `draw` in \
          docs/LANGUAGE.md)",
         loaded.path
     )))

@@ -14,14 +14,13 @@ pub(super) fn choose(options: &ArgMatches, settings: &mut Settings) -> Result<()
     let text = |name: &str| options.get_one::<String>(name).map(String::as_str);
     let number = |name: &str| -> Result<Option<f64>, Problem> {
         let read = |text: &str| {
-            text.trim().parse().map_err(|_| Problem::Usage(format!("error: --{name} is `{text}`; give a number")))
+            text.trim().parse().map_err(|_| Problem::usage(format!("--{name} is `{text}`; give a number")))
         };
         text(name).map(read).transpose()
     };
     let (stiffness, damping, alpha) = (number("stiffness")?, number("damping")?, number("alpha")?);
-    let unknown = |name: &str, given: &str, known: &str| {
-        Err(Problem::Usage(format!("error: --{name} is `{given}`; there are {known}")))
-    };
+    let unknown =
+        |name: &str, given: &str, known: &str| Err(Problem::usage(format!("--{name} is `{given}`; there are {known}")));
     settings.enforcement = match text("constraints") {
         None | Some("multipliers") => Enforcement::Multipliers,
         Some("nullspace") => Enforcement::NullSpace,
@@ -38,13 +37,13 @@ pub(super) fn choose(options: &ArgMatches, settings: &mut Settings) -> Result<()
     };
     let springs = matches!(settings.enforcement, Enforcement::Springs { .. });
     if !springs && (stiffness.is_some() || damping.is_some()) {
-        return Err(Problem::Usage("error: --stiffness and --damping go with --constraints springs".to_owned()));
+        return Err(Problem::usage("--stiffness and --damping go with --constraints springs"));
     }
     if springs && text("drift").is_some() {
-        return Err(Problem::Usage("error: with springs nothing drifts: leave --drift out".to_owned()));
+        return Err(Problem::usage("with springs nothing drifts: leave --drift out"));
     }
     if alpha.is_some() && !matches!(settings.stabilisation, Stabilisation::Baumgarte { .. }) {
-        return Err(Problem::Usage("error: --alpha goes with --drift baumgarte".to_owned()));
+        return Err(Problem::usage("--alpha goes with --drift baumgarte"));
     }
     Ok(())
 }

@@ -1,5 +1,6 @@
 //! What `check` says of constraints: degrees of freedom, phase by phase, and which velocity constraints are integrable.
 
+use dalembert_symbolic::diagnose::listed;
 use dalembert_symbolic::gate::{Freedoms, Integrability};
 use dalembert_symbolic::lower::Program;
 
@@ -68,13 +69,4 @@ fn line(program: &Program, phase: usize, freedoms: &Freedoms) -> String {
         "it would take too long to decide whether {} are integrable",
     );
     words.join("; ")
-}
-
-/// "a, b and c".
-fn listed(names: &[String]) -> String {
-    match names.split_last() {
-        Some((last, others)) if !others.is_empty() => format!("{} and {last}", others.join(", ")),
-        Some((last, _)) => last.clone(),
-        None => String::new(),
-    }
 }

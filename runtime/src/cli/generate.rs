@@ -17,12 +17,11 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     let path = text("output").unwrap_or("-");
     outputs::ends_in(path, &["rs"])?;
     if options.get_flag("check") && path == "-" {
-        return Err(Problem::Usage("error: --check compares with a file; name it by -o FILE.rs".to_owned()));
+        return Err(Problem::usage("--check compares with a file; name it by -o FILE.rs"));
     }
     let name = text("name").map(type_name).transpose()?;
     let model = ModelFile::named(context, asked, sizes(options)?)?;
-    let problem = |problems: &[_]| Problem::Model(file::render(&model.path, &model.source, problems));
-    let program = derived(&model.path, &model.source, &model.sizes).map_err(|problems| problem(&problems))?;
+    let program = derived(&model.path, &model.source, &model.sizes).map_err(|problems| model.problem(&problems))?;
     eprint!("{}", file::render(&model.path, &model.source, &program.model.warnings));
     let program = if text("methods").is_some() { program.with_series() } else { program };
     let command = command(options, asked, path);
@@ -55,9 +54,7 @@ fn type_name(name: &str) -> Result<&str, Problem> {
         && !KEYWORDS.contains(&name);
     match fits {
         true => Ok(name),
-        false => {
-            Err(Problem::Usage(format!("error: --name wants the name of a Rust type, as DoublePendulum, not `{name}`")))
-        }
+        false => Err(Problem::usage(format!("--name wants the name of a Rust type, as DoublePendulum, not `{name}`"))),
     }
 }
 

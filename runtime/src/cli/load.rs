@@ -62,7 +62,7 @@ impl ModelFile {
         if !Path::new(name).is_file() {
             let hint = diagnose::did_you_mean(name, models.iter().map(|entry| entry.name));
             let hint = if hint.is_empty() { "`list` names the models".to_owned() } else { hint };
-            return Err(Problem::Usage(format!("error: no model and no file is called `{name}`; {hint}")));
+            return Err(Problem::usage(format!("no model and no file is called `{name}`; {hint}")));
         }
         let source = std::fs::read_to_string(name).map_err(|e| Problem::File(format!("cannot read {name}: {e}")))?;
         let stem = Path::new(name).file_stem().map_or(name.to_owned(), |s| s.to_string_lossy().into_owned());
@@ -183,22 +183,21 @@ impl Loaded {
     /// The derived model, for what the compiled code does not keep.
     pub fn program(&self) -> Result<Program, Problem> {
         match &self.derived {
-            Some(program) => Program::clone(program)
-                .with_matrices()
-                .map_err(|problems| Problem::Model(file::render(&self.path, &self.source, &problems))),
-            None => compiled_or_problem(&self.path, &self.source, &self.sizes),
+            Some(program) => Program::clone(program).with_matrices(),
+            None => derived(&self.path, &self.source, &self.sizes),
         }
+        .map_err(|problems| self.problem(&problems))
     }
 
     /// The model with its names, for reading expressions.
     pub fn model(&self) -> Result<Model, Problem> {
-        load_in(folder(&self.path), &self.source, &self.sizes)
-            .map_err(|problems| Problem::Model(file::render(&self.path, &self.source, &problems)))
+        load_in(folder(&self.path), &self.source, &self.sizes).map_err(|problems| self.problem(&problems))
     }
-}
 
-fn compiled_or_problem(path: &str, source: &str, sizes: &[(String, i64)]) -> Result<Program, Problem> {
-    derived(path, source, sizes).map_err(|problems| Problem::Model(file::render(path, source, &problems)))
+    /// What is wrong with it, to print.
+    pub fn problem(&self, problems: &[diagnose::Problem]) -> Problem {
+        Problem::Model(file::render(&self.path, &self.source, problems))
+    }
 }
 
 /// Derives a model; a terminal says so where that takes longer than [`PATIENCE`].
@@ -251,21 +250,27 @@ pub fn sizes(options: &ArgMatches) -> Result<Vec<(String, i64)>, Problem> {
         .into_iter()
         .map(|(name, value)| {
             let size = value.trim().parse();
-            size.map(|size| (name, size)).map_err(|_| Problem::Usage(format!("error: `{value}` is not an integer")))
+            size.map(|size| (name, size)).map_err(|_| Problem::usage(format!("`{value}` is not an integer")))
         })
         .collect()
 }
 
 /// The `NAME=VALUE` of an option that may be given several times.
 pub fn pairs(options: &ArgMatches, option: &str) -> Result<Vec<(String, String)>, Problem> {
+    let texts = options.get_many::<String>(option).into_iter().flatten();
+    each_once(option, texts.map(String::as_str))
+}
+
+/// The `NAME=VALUE` of these texts, each name once.
+fn each_once<'a>(option: &str, texts: impl Iterator<Item = &'a str>) -> Result<Vec<(String, String)>, Problem> {
     let mut pairs: Vec<(String, String)> = Vec::new();
-    for text in options.get_many::<String>(option).into_iter().flatten() {
+    for text in texts {
         let Some((name, value)) = text.split_once('=') else {
-            return Err(Problem::Usage(format!("error: --{option} wants NAME=VALUE, not `{text}`")));
+            return Err(Problem::usage(format!("--{option} wants NAME=VALUE, not `{text}`")));
         };
         let name = name.trim();
         if pairs.iter().any(|(known, _)| known == name) {
-            return Err(Problem::Usage(format!("error: --{option} gives `{name}` twice")));
+            return Err(Problem::usage(format!("--{option} gives `{name}` twice")));
         }
         pairs.push((name.to_owned(), value.to_owned()));
     }
@@ -281,18 +286,9 @@ pub fn listed(options: &ArgMatches, option: &str) -> Vec<String> {
 
 /// The same of `NAME=VALUE`, each name once.
 pub fn listed_pairs(options: &ArgMatches, option: &str) -> Result<Vec<(String, String)>, Problem> {
-    let mut list: Vec<(String, String)> = Vec::new();
-    for part in listed(options, option) {
-        let Some((name, value)) = part.split_once('=') else {
-            return Err(Problem::Usage(format!("error: --{option} wants NAME=VALUE, not `{part}`")));
-        };
-        let name = name.trim();
-        if list.iter().any(|(known, _)| known == name) {
-            return Err(Problem::Usage(format!("error: --{option} gives `{name}` twice")));
-        }
-        list.push((name.to_owned(), value.trim().to_owned()));
-    }
-    Ok(list)
+    let parts = listed(options, option);
+    let pairs = each_once(option, parts.iter().map(String::as_str))?;
+    Ok(pairs.into_iter().map(|(name, value)| (name, value.trim().to_owned())).collect())
 }
 
 #[cfg(test)]

@@ -159,6 +159,6 @@ fn answer(
         "import" => import::run(options, out),
         "schema" => schema::run(options, out),
         "completions" => completions::run(context, options, out),
-        other => Err(Problem::Usage(format!("error: no command is called `{other}`"))),
+        other => Err(Problem::usage(format!("no command is called `{other}`"))),
     }
 }

@@ -5,7 +5,6 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use clap::ArgMatches;
-use dalembert_symbolic::file;
 use dalembert_symbolic::model::Sets;
 use serde_json::{Value, json};
 
@@ -74,9 +73,9 @@ pub fn find(request: &NeedsRequest, loaded: &Loaded) -> Result<Needs, Problem> {
         eprint!("\r\x1b[K");
     }
     found.map_err(|error| match error {
-        NeedsError::Model { problems } => Problem::Model(file::render(&loaded.path, &loaded.source, &problems)),
+        NeedsError::Model { problems } => loaded.problem(&problems),
         NeedsError::Fails { .. } | NeedsError::NotKnown { .. } => Problem::Run(error.to_string()),
-        other => Problem::Usage(format!("error: {other}")),
+        other => Problem::usage(other),
     })
 }
 
@@ -87,8 +86,8 @@ pub fn is_said(loaded: &Loaded, options: &ArgMatches) -> bool {
 
 /// The question with `--params`, `--set`, `--start` and `--until` written into the file.
 fn changed(loaded: &mut Loaded, options: &ArgMatches, mut request: NeedsRequest) -> Result<NeedsRequest, Problem> {
-    let usage = |error: NeedsError| Problem::Usage(format!("error: {error}"));
-    let mut reader = Reader::new(loaded);
+    let usage = Problem::usage;
+    let mut reader = Reader::default();
     let mut set: Vec<(usize, String, String)> = Vec::new();
     let given = options.get_one::<String>("params").map_or_else(|| Ok(Vec::new()), |path| value_files::read(path))?;
     for (name, text) in given.into_iter().chain(pairs(options, "set")?) {
@@ -215,7 +214,7 @@ pub fn request(loaded: &mut Loaded, options: &ArgMatches) -> Result<NeedsRequest
     if names.is_none() && within.is_none() {
         return Ok(request);
     }
-    let said = request.need().map_err(|error| Problem::Usage(format!("error: {error}")))?;
+    let said = request.need().map_err(Problem::usage)?;
     let (outputs, absolute) = match names {
         None => (said.outputs, said.absolute),
         Some(names) => named(loaded, &names)?,
@@ -223,7 +222,7 @@ pub fn request(loaded: &mut Loaded, options: &ArgMatches) -> Result<NeedsRequest
     let within = match within {
         None => said.within,
         Some(text) => text.trim().parse().map_err(|_| {
-            Problem::Usage(format!("error: --within wants a part of the range of each, such as 1e-3, not `{text}`"))
+            Problem::usage(format!("--within wants a part of the range of each, such as 1e-3, not `{text}`"))
         })?,
     };
     request.need = Some(Need { outputs, within, absolute });
@@ -235,7 +234,7 @@ type Named = (Vec<String>, Vec<(String, f64)>);
 
 /// Names with the amounts by which some may be off: `tip,gap=0.1 mm`.
 fn named(loaded: &mut Loaded, names: &str) -> Result<Named, Problem> {
-    let mut reader = Reader::new(loaded);
+    let mut reader = Reader::default();
     let (mut outputs, mut absolute) = (Vec::new(), Vec::new());
     for name in names.split(',').map(str::trim).filter(|name| !name.is_empty()) {
         match name.split_once('=') {

@@ -17,7 +17,7 @@ pub fn run(options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let name = options.get_one::<String>("name").map_or("model", String::as_str).trim_end_matches(".yaml");
     let path = format!("{name}.yaml");
     if Path::new(&path).exists() {
-        return Err(Problem::Usage(format!("error: {path} exists already")));
+        return Err(Problem::usage(format!("{path} exists already")));
     }
     let stem = Path::new(name).file_stem().map_or(name.to_owned(), |s| s.to_string_lossy().into_owned());
     outputs::write(&path, &TEMPLATE.replace("TypeName", &type_name(&stem)))?;

@@ -14,7 +14,7 @@ use super::{Context, Problem, families, outputs, stability_maps, value_files};
 use crate::Error;
 use crate::find::Value;
 use crate::mechanism::Goal;
-use crate::numbers::counted;
+use crate::numbers::{counted, spaced};
 use crate::orbit::{Family, Multiplier, Orbit, OrbitSearch, StabilityMap};
 use crate::run::written;
 use crate::show::has_units;
@@ -53,16 +53,16 @@ fn asked(search: OrbitSearch, loaded: &Loaded, place: usize) -> Result<OrbitSear
     let motion = &loaded.system.motions()[place];
     match &motion.goal {
         Goal::Closes(closes) => Ok(search.asking(place, closes)),
-        _ => Err(Problem::Usage(format!("error: {}", crate::NoOrbit::ClosesNot { motion: motion.name.to_string() }))),
+        _ => Err(Problem::usage(format!("{}", crate::NoOrbit::ClosesNot { motion: motion.name.to_string() }))),
     }
 }
 
 /// Follows the family that `--vary` names: `NAME=A..B`, `NAME=A,B,C`, of the energy also `energy=..B`.
 fn varied(search: OrbitSearch, loaded: &Loaded, options: &ArgMatches, text: &str) -> Result<Family, Problem> {
-    let usage = || Problem::Usage(format!("error: --vary wants NAME=A..B or NAME=A,B,C, not `{text}`"));
+    let usage = || Problem::usage(format!("--vary wants NAME=A..B or NAME=A,B,C, not `{text}`"));
     let (name, range) = text.split_once('=').ok_or_else(usage)?;
     let name = name.trim();
-    let mut reader = Reader::new(loaded);
+    let mut reader = Reader::default();
     let mut value = |text: &str| {
         let is_parameter = loaded.system.description().parameters.iter().any(|parameter| parameter.name == name);
         let sets = if is_parameter { Sets::Parameter(parameter_index(loaded, name)?) } else { Sets::Energy };
@@ -90,11 +90,11 @@ fn mapped(search: OrbitSearch, loaded: &Loaded, text: &str) -> Result<StabilityM
         }
     }
     let [(x, across), (y, up)] = axes.as_slice() else {
-        return Err(Problem::Usage(format!(
-            "error: --map wants two parameters, A=FROM..TO:COUNT,B=FROM..TO:COUNT, not `{text}`"
+        return Err(Problem::usage(format!(
+            "--map wants two parameters, A=FROM..TO:COUNT,B=FROM..TO:COUNT, not `{text}`"
         )));
     };
-    let mut reader = Reader::new(loaded);
+    let mut reader = Reader::default();
     let mut values = |name: &str, range: &str| {
         let sets = Sets::Parameter(parameter_index(loaded, name)?);
         points::values(loaded, &mut reader, ("map", sets), range)
@@ -108,13 +108,13 @@ fn problem(error: &Error) -> Problem {
     match error {
         Error::NoOrbit(_) | Error::NoSlopes(_) | Error::Linear(_) => Problem::Run(error.to_string()),
         Error::Run(failure) => Problem::Run(failure.to_string()),
-        error => Problem::Usage(format!("error: {error}")),
+        error => Problem::usage(error),
     }
 }
 
 /// With what the options say.
 fn described(mut search: OrbitSearch, loaded: &Loaded, options: &ArgMatches) -> Result<OrbitSearch, Problem> {
-    let mut reader = Reader::new(loaded);
+    let mut reader = Reader::default();
     if let Some(text) = options.get_one::<String>("period") {
         search = search.period(reader.value(loaded, "period", Sets::Time, text)?);
     }
@@ -135,15 +135,13 @@ fn described(mut search: OrbitSearch, loaded: &Loaded, options: &ArgMatches) -> 
     }
     for (name, turns) in listed_pairs(options, "turn")? {
         let turns =
-            turns.parse().map_err(|_| Problem::Usage(format!("error: --turn {name}={turns} is no number of turns")))?;
+            turns.parse().map_err(|_| Problem::usage(format!("--turn {name}={turns} is no number of turns")))?;
         search = search.turned(&name, turns);
     }
     if let Some(text) = options.get_one::<String>("from") {
         let mode = text.strip_prefix("mode").map(str::trim).and_then(|number| number.parse().ok());
         let Some(mode) = mode else {
-            return Err(Problem::Usage(format!(
-                "error: --from wants `mode` and its number, as `mode 2`, not `{text}`"
-            )));
+            return Err(Problem::usage(format!("--from wants `mode` and its number, as `mode 2`, not `{text}`")));
         };
         let amplitude = match options.get_one::<String>("amplitude") {
             None => AMPLITUDE,
@@ -184,13 +182,10 @@ fn report(loaded: &Loaded, orbit: &Orbit, options: &ArgMatches, out: &mut dyn Wr
     writeln!(out, "{}: {steps}, {pieces} run", loaded.name)?;
     // A model without units knows neither seconds nor joules.
     let [second, joule] = if has_units(&orbit.run.description) { [" s", " J"] } else { [""; 2] };
-    writeln!(out, "  period = {}{second}", text(&orbit.period))?;
+    writeln!(out, "  period = {}{second}", orbit.period.written())?;
     for value in &orbit.start {
-        let unit = match orbit.run.unit(&value.name) {
-            unit if unit.is_empty() => unit,
-            unit => format!(" {unit}"),
-        };
-        writeln!(out, "  {} = {}{unit}", value.name, text(value))?;
+        let unit = spaced(&orbit.run.unit(&value.name));
+        writeln!(out, "  {} = {}{unit}", value.name, value.written())?;
     }
     if let Some(energy) = orbit.energy {
         writeln!(out, "  energy = {}{joule}", crate::numbers::short(energy))?;
@@ -222,10 +217,6 @@ fn report(loaded: &Loaded, orbit: &Orbit, options: &ArgMatches, out: &mut dyn Wr
         crate::numbers::short(orbit.returns)
     )?;
     Ok(())
-}
-
-fn text(value: &Value) -> String {
-    written(value.value, if value.error.is_nan() { f64::INFINITY } else { value.error })
 }
 
 /// Multipliers with the digits that hold; those that are too small for a number by their logarithm.

@@ -35,8 +35,8 @@ pub fn check_paths<'a>(paths: impl Iterator<Item = (&'a str, &'a str)>, model: &
             continue;
         }
         if path == "-" {
-            return Err(Problem::Usage(format!(
-                "error: {option}: only tables go to standard output, by --csv -; name a file"
+            return Err(Problem::usage(format!(
+                "{option}: only tables go to standard output, by --csv -; name a file"
             )));
         }
         let asked = Path::new(path);
@@ -115,7 +115,7 @@ pub fn playable(path: &str) -> Result<(), Problem> {
 fn has_format(path: &str, has_pixels: fn(&Path) -> bool, known: &[&str]) -> Result<(), Problem> {
     let path = PathBuf::from(path);
     if has_pixels(&path) && !cfg!(feature = "png") {
-        return Err(Problem::Usage(format!("error: {}", Error::NeedsPng { path })));
+        return Err(Problem::usage(format!("{}", Error::NeedsPng { path })));
     }
     ends_in(&path.to_string_lossy(), known)
 }
@@ -128,9 +128,7 @@ pub fn ends_in(path: &str, known: &[&str]) -> Result<(), Problem> {
     match Path::new(path).extension() {
         Some(own) if !known.iter().any(|known| own.eq_ignore_ascii_case(known)) => {
             let names = known.iter().map(|name| format!("`.{name}`")).collect::<Vec<_>>().join(", ");
-            Err(Problem::Usage(format!(
-                "error: {path}: nothing is written in that format; end the name in one of {names}"
-            )))
+            Err(Problem::usage(format!("{path}: nothing is written in that format; end the name in one of {names}")))
         }
         _ => Ok(()),
     }
@@ -175,15 +173,15 @@ pub fn put(
     };
     check(options, &["output"], model)?;
     ends_in(path, endings)?;
-    fs::write(path, text).map_err(|problem| Problem::File(format!("cannot write `{path}`: {problem}")))
+    write(path, text)
 }
 
 /// Writes a file that was looked at before.
 ///
 /// # Errors
 /// [`Problem::File`].
-pub fn write(path: &str, text: &str) -> Result<(), Problem> {
-    fs::write(path, text).map_err(|problem| Problem::File(format!("cannot write `{path}`: {problem}")))
+pub fn write(path: &str, bytes: impl AsRef<[u8]>) -> Result<(), Problem> {
+    fs::write(path, bytes).map_err(|problem| Problem::File(format!("cannot write `{path}`: {problem}")))
 }
 
 /// Files that are there only to be tried; they go when all are known.

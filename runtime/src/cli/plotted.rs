@@ -35,15 +35,15 @@ impl Shown {
             charts.map(|text| asked(loaded.system.description(), text)).collect::<Result<Vec<Asked>, Problem>>()?;
         let animated = options.get_one::<String>("animate").filter(|_| !options.contains_id("plot"));
         if animated.is_some_and(|path| is_picture(Path::new(path))) && !charts.is_empty() {
-            return Err(Problem::Usage("error: --show draws beside a page: `--animate FILE.html`".to_owned()));
+            return Err(Problem::usage("--show draws beside a page: `--animate FILE.html`"));
         }
         let section = options.get_one::<String>("section");
-        let section = section.map(|text| Reader::new(loaded).value(loaded, "section", Sets::Time, text)).transpose()?;
+        let section = section.map(|text| Reader::default().value(loaded, "section", Sets::Time, text)).transpose()?;
         if section.is_some_and(|period| period <= 0.0) {
-            return Err(Problem::Usage("error: --section wants a time greater than 0".to_owned()));
+            return Err(Problem::usage("--section wants a time greater than 0"));
         }
         if section.is_some() && !charts.iter().all(|chart| matches!(chart, Asked::Portraits(_))) {
-            return Err(Problem::Usage("error: --section draws points of a portrait: `--show X:Y`".to_owned()));
+            return Err(Problem::usage("--section draws points of a portrait: `--show X:Y`"));
         }
         let outputs = Names::of(loaded.system.description()).outputs;
         let of_output = |chart: &Asked| match chart {
@@ -53,8 +53,8 @@ impl Shown {
             Asked::History(_) => None,
         };
         if let Some(name) = charts.iter().find_map(of_output).filter(|_| section.is_some()) {
-            return Err(Problem::Usage(format!(
-                "error: `{name}` is an output, which is known at reported times only; --section wants coordinates and rates"
+            return Err(Problem::usage(format!(
+                "`{name}` is an output, which is known at reported times only; --section wants coordinates and rates"
             )));
         }
         Ok(Shown { charts, section })
@@ -159,14 +159,14 @@ fn is_path(run: &Run, x: &str, y: &str) -> bool {
 fn asked(description: &Description, text: &str) -> Result<Asked, Problem> {
     let portrait = |text: &str| {
         let Some((x, y)) = text.split_once(':') else {
-            return Err(Problem::Usage(format!(
-                "error: --show `{text}` stands beside portraits X:Y; a chart against time is a --show of its own"
+            return Err(Problem::usage(format!(
+                "--show `{text}` stands beside portraits X:Y; a chart against time is a --show of its own"
             )));
         };
         let one = |name: &str| match columns(description, name)?.as_slice() {
             [one] => Ok(one.clone()),
-            several => Err(Problem::Usage(format!(
-                "error: `{}` is a vector; a portrait wants one of {}",
+            several => Err(Problem::usage(format!(
+                "`{}` is a vector; a portrait wants one of {}",
                 name.trim(),
                 several.join(", ")
             ))),

@@ -22,6 +22,11 @@ pub enum Problem {
 }
 
 impl Problem {
+    /// Bad usage, in these words.
+    pub(super) fn usage(text: impl fmt::Display) -> Problem {
+        Problem::Usage(format!("error: {text}"))
+    }
+
     /// The process's exit code.
     pub fn status(&self) -> u8 {
         match self {

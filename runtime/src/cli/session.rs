@@ -208,14 +208,14 @@ impl Simulated {
         let options = matches(words.chain(["--".to_owned(), self.loaded.name.clone()]).collect())?;
         let shown = Shown::read(&self.loaded, &options)?;
         let figure = shown.figure(&[(String::new(), &self.run)]);
-        figure.map(|figure| figure.to_svg()).map_err(|error| Problem::Usage(format!("error: {error}")))
+        figure.map(|figure| figure.to_svg()).map_err(Problem::usage)
     }
 }
 
 fn matches(line: Vec<String>) -> Result<ArgMatches, Problem> {
     let matches = arguments::parsed(line).map_err(|e| Problem::Usage(e.to_string()))?;
     let chosen = matches.subcommand().map(|(_, options)| options.clone());
-    chosen.ok_or_else(|| Problem::Usage("error: no command is given".to_owned()))
+    chosen.ok_or_else(|| Problem::usage("no command is given"))
 }
 
 fn json_text(value: &Value) -> String {

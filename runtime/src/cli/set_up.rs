@@ -121,7 +121,7 @@ fn choose_scene(loaded: &mut Loaded, options: &ArgMatches, scene: usize) -> Resu
     for (index, value) in loaded.system.scene_parameters(scene) {
         loaded.system.set_parameter(index, value);
     }
-    let mut reader = Reader::new(loaded);
+    let mut reader = Reader::default();
     if let Some(path) = options.get_one::<String>("params") {
         value_files::parameters(loaded, &mut reader, path)?;
     }
@@ -137,6 +137,7 @@ fn choose_scene(loaded: &mut Loaded, options: &ArgMatches, scene: usize) -> Resu
 }
 
 /// Reads expressions of the model language; the model is resolved when the first one comes.
+#[derive(Default)]
 pub struct Reader {
     model: Option<Model>,
     /// What the user should know of values that were read.
@@ -144,16 +145,12 @@ pub struct Reader {
 }
 
 impl Reader {
-    pub fn new(_loaded: &Loaded) -> Self {
-        Reader { model: None, notes: Vec::new() }
-    }
-
     /// The model with its names.
     pub fn model(&mut self, loaded: &Loaded) -> Result<&mut Model, Problem> {
         if self.model.is_none() {
             self.model = Some(loaded.model()?);
         }
-        self.model.as_mut().ok_or_else(|| Problem::Usage("error: the model cannot be read again".to_owned()))
+        self.model.as_mut().ok_or_else(|| Problem::usage("the model cannot be read again"))
     }
 
     /// Applies an option that may be given several times, `NAME=VALUE` or `NAME'=VALUE`.
@@ -215,9 +212,7 @@ impl Reader {
         let found = self.model(loaded)?.constant(text, sets, &parameters);
         found.map_err(|problems| Problem::Usage(file::render(place, text, &problems)))
     }
-}
 
-impl Reader {
     /// Refuses a value of a parameter that is a seed and no whole number.
     pub fn whole_seed(&mut self, loaded: &Loaded, place: &str, parameter: usize, value: f64) -> Result<(), Problem> {
         let seeds = loaded.system.held_noise();
@@ -336,15 +331,21 @@ pub fn for_search(context: Context<'_>, options: &ArgMatches, files: &[&str]) ->
     let mut loaded = Loaded::find(context, options)?;
     outputs::check(options, files, &loaded.path)?;
     let mut settings = set_up(&mut loaded, options)?;
-    if let Some(method) = options.get_one::<String>("method") {
-        settings.method = method.parse().map_err(|e| Problem::Usage(format!("error: {e}")))?;
-    }
+    set_method(&mut settings, options)?;
     for warning in &loaded.warnings {
         eprintln!("warning: {warning}");
     }
     let origin = origin(&loaded, options)?;
     let system = loaded.system.boxed_clone();
     Ok((loaded, (system, settings, origin)))
+}
+
+/// With `--method`.
+pub fn set_method(settings: &mut Settings, options: &ArgMatches) -> Result<(), Problem> {
+    if let Some(method) = options.get_one::<String>("method") {
+        settings.method = method.parse().map_err(Problem::usage)?;
+    }
+    Ok(())
 }
 
 /// The scene of `--scene`, or that of the motion of `--motion`.
@@ -360,7 +361,7 @@ pub fn motion_index(loaded: &Loaded, options: &ArgMatches) -> Result<Option<usiz
     let Some(name) = options.try_get_one::<String>(MOTION).ok().flatten() else { return Ok(None) };
     let motions = loaded.system.motions();
     if motions.is_empty() {
-        return Err(Problem::Usage(format!("error: `{}` has no `motions`", loaded.name)));
+        return Err(Problem::usage(format!("`{}` has no `motions`", loaded.name)));
     }
     let found = motions.iter().position(|motion| motion.name == *name);
     found.map(Some).ok_or_else(|| unknown("motion", name, motions.iter().map(|motion| motion.name.as_ref())))
@@ -389,8 +390,8 @@ fn parameter_to_set(loaded: &Loaded, options: &ArgMatches, name: &str) -> Result
     // What looks for a rest has `--at` and the flag `--here`. Of an option that is not given clap knows in debug builds only whether there is one.
     let option = if options.ids().any(|id| id == "here") { "at" } else { "start" };
     match found {
-        Err(_) if moves => Err(Problem::Usage(format!(
-            "error: `{name}` is {kind}, and --set is for parameters; write --{option} \"{name}=…\""
+        Err(_) if moves => Err(Problem::usage(format!(
+            "`{name}` is {kind}, and --set is for parameters; write --{option} \"{name}=…\""
         ))),
         found => found,
     }
@@ -404,8 +405,8 @@ pub fn parameter_index(loaded: &Loaded, name: &str) -> Result<usize, Problem> {
     }
     let free: Vec<&str> = description.parameters.iter().map(|p| p.name.as_ref()).collect();
     if description.derived.iter().any(|d| d == name) {
-        return Err(Problem::Usage(format!(
-            "error: `{name}` is computed from other parameters and cannot be set; the free ones are {}",
+        return Err(Problem::usage(format!(
+            "`{name}` is computed from other parameters and cannot be set; the free ones are {}",
             free.join(", ")
         )));
     }
@@ -439,14 +440,14 @@ pub fn place_in_state(loaded: &Loaded, name: &str) -> Result<Place, Problem> {
             let known = description.start_names();
             let name = name.strip_suffix('\'').unwrap_or(name);
             if description.coordinates.iter().any(|c| c.state() == Some(name)) {
-                return Err(Problem::Usage(format!(
-                    "error: `{name}'` is the rate of a state of first order, which the model gives; write `{name}=…`"
+                return Err(Problem::usage(format!(
+                    "`{name}'` is the rate of a state of first order, which the model gives; write `{name}=…`"
                 )));
             }
             let rate =
                 diagnose::rate_meant(name, known.iter().map(String::as_str).filter(|name| !name.ends_with('\'')));
             if let Some(hint) = rate {
-                return Err(Problem::Usage(format!("error: no coordinate is called `{name}`; {hint}")));
+                return Err(Problem::usage(format!("no coordinate is called `{name}`; {hint}")));
             }
             Err(unknown("coordinate", name, known.iter().map(String::as_str)))
         }
@@ -457,5 +458,5 @@ pub fn place_in_state(loaded: &Loaded, name: &str) -> Result<Place, Problem> {
 pub fn unknown<'a>(kind: &str, name: &str, known: impl Iterator<Item = &'a str>) -> Problem {
     let known: Vec<&str> = known.collect();
     let hint = diagnose::did_you_mean_or(name, &known);
-    Problem::Usage(format!("error: no {kind} is called `{name}`; {hint}"))
+    Problem::usage(format!("no {kind} is called `{name}`; {hint}"))
 }

@@ -39,9 +39,8 @@ fn print_form(loaded: &Loaded, options: &ArgMatches, out: &mut dyn Write) -> Res
         return Ok(());
     }
     if options.get_flag("python") && !program.model.states.is_empty() {
-        return Err(Problem::Usage(
-            "error: --python does not print states of first order yet; --rust does, and `modes --json` has A and B"
-                .to_owned(),
+        return Err(Problem::usage(
+            "--python does not print states of first order yet; --rust does, and `modes --json` has A and B",
         ));
     }
     if options.get_flag("python") {
@@ -107,12 +106,11 @@ fn linear(program: &Program, options: &ArgMatches, out: &mut dyn Write) -> Resul
         let Some(coordinate) = model.coordinates.iter().position(|known| known.name == name) else {
             let names: Vec<&str> = model.coordinates.iter().map(|c| c.name.as_str()).collect();
             let names = names.join(", ");
-            return Err(Problem::Usage(format!("error: --at: no coordinate is called `{name}`; there are {names}")));
+            return Err(Problem::usage(format!("--at: no coordinate is called `{name}`; there are {names}")));
         };
         place[coordinate] = expression(&mut model, &text)?;
     }
-    let linear = print::Linearisation::about(program, &mut model, &place)
-        .map_err(|reason| Problem::Usage(format!("error: {reason}")))?;
+    let linear = print::Linearisation::about(program, &mut model, &place).map_err(Problem::usage)?;
     let text = if options.get_flag("latex") { linear.latex(&model) } else { linear.text(&model) };
     write!(out, "{text}")?;
     Ok(())
@@ -124,6 +122,6 @@ fn expression(model: &mut Model, text: &str) -> Result<Id, Problem> {
         model.expression(text).map_err(|problems| Problem::Usage(file::render("--at", text, &problems)))?;
     match components[..] {
         [value] => Ok(value),
-        _ => Err(Problem::Usage(format!("error: --at wants a number, `{text}` is a vector"))),
+        _ => Err(Problem::usage(format!("--at wants a number, `{text}` is a vector"))),
     }
 }

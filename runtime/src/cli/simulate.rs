@@ -15,10 +15,10 @@ use serde_json::{Value, json};
 use super::json::{number, object};
 use super::load::Loaded;
 use super::plotted::Shown;
-use super::set_up::{set_up, set_up_scene};
+use super::set_up::{set_method, set_up, set_up_scene};
 use super::{Context, Problem, compare, drawn, enforcement, outputs, slopes, symmetries, value_files};
 use crate::mechanism::{self, Action, ContactMode, Description, Enforcement, Stabilisation, Target};
-use crate::numbers::short;
+use crate::numbers::{short, spaced};
 use crate::run::{RunPart, Work};
 use crate::show::{Animation, has_units};
 use crate::simulate::{LAGRANGE, estimate_global_error};
@@ -65,7 +65,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
             report((&loaded, &settings), (&mut failure.run, Some(&problem)), (&shown, &others, None), options, out)?;
             Err(problem)
         }
-        Err(error) => Err(Problem::Usage(format!("error: {error}"))),
+        Err(error) => Err(Problem::usage(error)),
     }
 }
 
@@ -124,7 +124,7 @@ pub fn outcome(
             let told = (failure.to_string(), failure.state.t);
             (failure.run, Some(told))
         }
-        Err(error) => return Err(Problem::Usage(format!("error: {error}"))),
+        Err(error) => return Err(Problem::usage(error)),
     };
     let mut json = as_json(&loaded, &settings, &run);
     if failed.is_none()
@@ -143,9 +143,7 @@ pub fn outcome(
 
 /// With `--method`, `--together` and what is said of constraints.
 fn by_options(mut settings: Settings, options: &ArgMatches) -> Result<Settings, Problem> {
-    if let Some(method) = options.get_one::<String>("method") {
-        settings.method = method.parse().map_err(|e| Problem::Usage(format!("error: {e}")))?;
-    }
+    set_method(&mut settings, options)?;
     settings.apart &= !options.get_flag("together");
     enforcement::choose(options, &mut settings)?;
     Ok(settings)
@@ -166,7 +164,7 @@ fn others(context: Context<'_>, options: &ArgMatches) -> Result<Vec<(String, Run
                     eprintln!("warning: {scene}: {failure}");
                     Ok((scene.to_owned(), failure.run))
                 }
-                Err(error) => Err(Problem::Usage(format!("error: {scene}: {error}"))),
+                Err(error) => Err(Problem::usage(format!("{scene}: {error}"))),
             }
         })
         .collect()
@@ -200,14 +198,14 @@ fn choose_derivation(loaded: &mut Loaded, name: &str) -> Result<(), Problem> {
             loaded.system.set_derivation(system);
             Ok(())
         }
-        Err(_) if description.balances.is_empty() => Err(Problem::Usage(format!(
-            "error: {} has no `balances`, so that its accelerations come from Lagrange's equations alone",
+        Err(_) if description.balances.is_empty() => Err(Problem::usage(format!(
+            "{} has no `balances`, so that its accelerations come from Lagrange's equations alone",
             loaded.name
         ))),
         Err(_) => {
             let known: Vec<&str> = description.balances.iter().map(|s| s.name.as_ref()).chain(["all"]).collect();
             let hint = did_you_mean_or(name, &known);
-            Err(Problem::Usage(format!("error: no system of balances is called `{name}`; {hint}")))
+            Err(Problem::usage(format!("no system of balances is called `{name}`; {hint}")))
         }
     }
 }
@@ -273,7 +271,7 @@ fn report(
         let scene = file("scene").map_or("scene", String::as_str);
         let mut runs = vec![(scene.to_owned(), run)];
         runs.extend(others.iter().map(|(name, run)| (name.clone(), run)));
-        let figure = shown.figure(&runs).map_err(|error| Problem::Usage(format!("error: {error}")))?;
+        let figure = shown.figure(&runs).map_err(Problem::usage)?;
         outputs::draw(path, figure)?;
     }
     if let Some(path) = file("save") {
@@ -285,7 +283,7 @@ fn report(
         outputs::write(path, &value_files::state(run, &changed))?;
     }
     if let Some(path) = file("animate") {
-        let charts = shown.of(run).map_err(|error| Problem::Usage(format!("error: {error}")))?;
+        let charts = shown.of(run).map_err(Problem::usage)?;
         let playback = outputs::animate(path, &Animation { charts, ..run.animation() })?;
         if let Some(playback) = playback.filter(|_| !options.get_flag("json")) {
             writeln!(out, "{path}: {playback}")?;
@@ -327,10 +325,7 @@ fn in_words(
     out: &mut dyn Write,
 ) -> Result<(), Problem> {
     let last = run.last();
-    let unit = |name: &str| match run.unit(name) {
-        unit if unit.is_empty() => unit,
-        unit => format!(" {unit}"),
-    };
+    let unit = |name: &str| spaced(&run.unit(name));
     writeln!(out, "{} at t = {}, by {}", loaded.name, run.written_end(&last), run.by())?;
     for (name, value) in last.entries() {
         writeln!(out, "  {name} = {}{}", run.written(&name, value), unit(&name))?;

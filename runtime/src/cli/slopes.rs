@@ -26,16 +26,16 @@ pub fn asked(loaded: &mut Loaded, settings: &Settings, options: &ArgMatches) -> 
             Error::UnknownName { known, .. } => {
                 let known: Vec<&str> = known.iter().map(String::as_str).collect();
                 let hint = did_you_mean_or(name, &known);
-                Problem::Usage(format!("error: --slopes: no coordinate, rate or parameter is called `{name}`; {hint}"))
+                Problem::usage(format!("--slopes: no coordinate, rate or parameter is called `{name}`; {hint}"))
             }
-            _ => Problem::Usage(format!("error: {error}")),
+            _ => Problem::usage(error),
         })?;
         unknowns.push((name.to_owned(), found));
     }
     let settings = Settings { every: None, ..settings.clone() };
     run_with_slopes(&mut *loaded.system, &settings, &origin, &unknowns).map(Some).map_err(|error| match error {
         Error::NoSlopes(_) => Problem::Run(error.to_string()),
-        error => Problem::Usage(format!("error: --slopes: {error}")),
+        error => Problem::usage(format!("--slopes: {error}")),
     })
 }
 

@@ -3,6 +3,7 @@
 use std::io::Write;
 
 use clap::ArgMatches;
+use dalembert_symbolic::diagnose::quoted;
 use dalembert_symbolic::model::Sets;
 use serde_json::{Value as Json, json};
 
@@ -13,18 +14,18 @@ use super::{Context, Problem, outputs, value_files};
 use crate::error::{Error, NoSlopes, NotFound};
 use crate::find::{Found, Record, Search, Value};
 use crate::mechanism::Coordinate;
-use crate::numbers::{counted, short_within};
-use crate::run::{plain, written};
+use crate::numbers::{counted, short_within, spaced};
+use crate::run::plain;
 
 /// Searches, and prints what was found.
 pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let (loaded, described) = for_search(context, options, &["save"])?;
-    let mut reader = Reader::new(&loaded);
+    let mut reader = Reader::default();
     let mut search = Search::of(Ok(described));
     if let Some(place) = motion_index(&loaded, options)? {
         let numbers = loaded.system.motion_numbers(place);
         let asked = search.asking(place, &loaded.system.motions()[place], numbers);
-        search = asked.map_err(|why| Problem::Usage(format!("error: {why}")))?;
+        search = asked.map_err(Problem::usage)?;
     }
     for (name, text) in listed_pairs(options, "unknown")? {
         let value = read(&mut reader, &loaded, "unknown", (&name, &text))?;
@@ -47,7 +48,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
         }
         Err(Error::Run(failure)) => Err(Problem::Run(failure.to_string())),
         Err(Error::NoSlopes(why)) => Err(Problem::Run(format!("{why}{}", touched(&loaded, &why)))),
-        Err(error) => Err(Problem::Usage(format!("error: {error}"))),
+        Err(error) => Err(Problem::usage(error)),
     }
 }
 
@@ -115,10 +116,7 @@ fn record(path: &str, columns: Option<&str>) -> Result<Record, Problem> {
     let mut places = Vec::with_capacity(named.len());
     for (name, column) in &named {
         let Some(place) = header.iter().position(|known| known == column) else {
-            return Err(Problem::Usage(format!(
-                "error: `{path}` has no column `{column}`; it has {}",
-                header.join(", ")
-            )));
+            return Err(Problem::usage(format!("`{path}` has no column `{column}`; it has {}", header.join(", "))));
         };
         places.push((name.clone(), place));
     }
@@ -134,7 +132,7 @@ fn record(path: &str, columns: Option<&str>) -> Result<Record, Problem> {
     }
     let mut columns: Vec<(String, Vec<f64>)> = places.into_iter().map(|(name, _)| name).zip(lists).collect();
     let Some(time) = columns.iter().position(|(name, _)| name == "t") else {
-        return Err(Problem::Usage(format!("error: which column of `{path}` is time? give --columns \"t=…\"")));
+        return Err(Problem::usage(format!("which column of `{path}` is time? give --columns \"t=…\"")));
     };
     let (_, times) = columns.remove(time);
     Ok(Record { times, columns })
@@ -159,29 +157,23 @@ fn report(loaded: &Loaded, found: &Found, options: &ArgMatches, out: &mut dyn Wr
                 out,
                 "  {} = {}{unit}, standard error {}, 95 % within {}",
                 value.name,
-                text(value),
+                value.written(),
                 short_within(fit.standard_errors[k], fit.uncertain[k]),
                 short_within(fit.within[k], fit.uncertain[k])
             )?,
-            None => writeln!(out, "  {} = {}{unit}", value.name, text(value))?,
+            None => writeln!(out, "  {} = {}{unit}", value.name, value.written())?,
         }
     }
     for value in &found.reached {
-        let unit = match found.run.unit(&value.name) {
-            unit if unit.is_empty() => unit,
-            unit => format!(" {unit}"),
-        };
-        writeln!(out, "  where {} = {}{unit}", value.name, text(value))?;
+        let unit = spaced(&found.run.unit(&value.name));
+        writeln!(out, "  where {} = {}{unit}", value.name, value.written())?;
     }
     // What nothing moves was known beforehand.
     let t = &found.end_time;
-    writeln!(out, "  at t = {}", if t.error == 0.0 { plain(t.value) } else { text(t) })?;
+    writeln!(out, "  at t = {}", if t.error == 0.0 { plain(t.value) } else { t.written() })?;
     if let Some(fit) = &found.fit {
         let of = match fit.columns.as_slice() {
-            [column] => match found.run.unit(column) {
-                unit if unit.is_empty() => unit,
-                unit => format!(" {unit}"),
-            },
+            [column] => spaced(&found.run.unit(column)),
             _ => " of each column's range".to_owned(),
         };
         let sigma = short_within(fit.sigma, fit.uncertain.last().copied().unwrap_or(f64::NAN));
@@ -208,14 +200,9 @@ fn multiple_root(found: &Found) -> String {
         3 => ("a triple root".to_owned(), "a third".to_owned()),
         order => (format!("a root of order {order}"), format!("1/{order}")),
     };
-    let names: Vec<String> = found.multiple_in.iter().map(|name| format!("`{name}`")).collect();
     let free = found.values.iter().any(|value| value.name == "until");
     let advice = if free { HALF.to_owned() } else { format!("let the run end at an unknown `until`, or {HALF}") };
-    format!("{kind} in {}: {part} of the digits hold; {advice}", names.join(", "))
-}
-
-fn text(value: &Value) -> String {
-    written(value.value, if value.error.is_nan() { f64::INFINITY } else { value.error })
+    format!("{kind} in {}: {part} of the digits hold; {advice}", quoted(&found.multiple_in))
 }
 
 /// Degrees of freedom in words.
@@ -235,7 +222,7 @@ fn unit(loaded: &Loaded, name: &str) -> String {
         Some(name) => coordinate(name).map(|unit| format!("{unit}/s")),
         None => of_parameter.or_else(|| coordinate(name)),
     };
-    unit.filter(|unit| !unit.is_empty()).map_or_else(String::new, |unit| format!(" {unit}"))
+    unit.map_or_else(String::new, |unit| spaced(&unit))
 }
 
 fn as_json(loaded: &Loaded, found: &Found) -> Json {

@@ -13,7 +13,7 @@ use crate::precision::{Limit, StabilityMap};
 /// Prints the longest stable steps by damping, measured and by theory, and writes the map.
 pub fn run(options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let text = |name: &str| options.get_one::<String>(name).map(String::as_str);
-    let usage = |problem: String| Problem::Usage(format!("error: {problem}"));
+    let usage = Problem::usage;
     let method: Method = text("method").unwrap_or_default().parse().map_err(|e| usage(format!("{e}")))?;
     let longest: f64 = text("longest").unwrap_or("7").trim().parse().unwrap_or(f64::NAN);
     if !(longest > 0.0 && longest <= 1e6) {

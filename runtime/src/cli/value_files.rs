@@ -29,7 +29,7 @@ fn lines(path: &str) -> Result<Vec<(String, String, String)>, Problem> {
         if line.is_empty() || line.starts_with('#') {
             continue;
         }
-        let wrong = || Problem::Usage(format!("error: {path}:{}: `{line}` is no `name: value`", index + 1));
+        let wrong = || Problem::usage(format!("{path}:{}: `{line}` is no `name: value`", index + 1));
         let (name, value) = match line.strip_prefix('"') {
             Some(quoted) => quoted.split_once('"').ok_or_else(wrong)?,
             None => line.split_once(':').map(|(name, _)| (name, &line[name.len()..])).ok_or_else(wrong)?,
@@ -40,7 +40,7 @@ fn lines(path: &str) -> Result<Vec<(String, String, String)>, Problem> {
         }
         let name = name.trim();
         if entries.iter().any(|(_, known, _)| known == name) {
-            return Err(Problem::Usage(format!("error: {path}:{}: `{name}` is given twice", index + 1)));
+            return Err(Problem::usage(format!("{path}:{}: `{name}` is given twice", index + 1)));
         }
         entries.push((format!("{path}, line {}", index + 1), name.to_owned(), value.to_owned()));
     }
@@ -98,7 +98,7 @@ pub fn start(loaded: &Loaded, reader: &mut Reader, path: &str, settings: &mut Se
                 let event = within(name, "next").unwrap_or_default();
                 let clock = clock_of(loaded, event)?;
                 let number = text.parse().map_err(|_| {
-                    Problem::Usage(format!("error: {place}: the number of a tick is a whole number, not `{text}`"))
+                    Problem::usage(format!("{place}: the number of a tick is a whole number, not `{text}`"))
                 })?;
                 let clocks = loaded.system.sampling().clocks.len();
                 let ticks = settings.ticks.get_or_insert_with(|| vec![0; clocks]);

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::integrate::ROUNDING as OF_COORDINATES;
 use crate::mechanism::dense::{constraint_matrix, sizes_alike};
-use crate::mechanism::{At, KktSolver, Singular, System};
+use crate::mechanism::{At, KktSolver, Singular, System, rows_in_force};
 
 /// Brings states back to the constraints that are active, by the least change in the metric of M.
 ///
@@ -177,7 +177,7 @@ impl Projection {
         }
         self.observe(system, t, y);
         self.levels.fill(None);
-        for row in system.active_rows().iter().map(|row| *row as usize).filter(|row| rows[*row].integral) {
+        for row in rows_in_force(system).filter(|row| rows[*row].integral) {
             self.levels[row] = Some(self.triples[3 * row]);
         }
     }
@@ -293,7 +293,7 @@ impl Projection {
             let moved = constraint_matrix(system, place, &[row]).abs() * sizes;
             c.abs() <= OF_COORDINATES * moved[0]
         };
-        let mut active = system.active_rows().iter().map(|row| *row as usize);
+        let mut active = rows_in_force(system);
         active.find_map(|row| {
             let moved = 2.0 * late * self.triples[3 * row + 1].abs();
             let missed = self
@@ -306,7 +306,7 @@ impl Projection {
 
     /// The largest residual of a position in units of its rounding.
     fn distance<S: System + ?Sized>(&self, system: &S) -> f64 {
-        let active = system.active_rows().iter().map(|row| *row as usize);
+        let active = rows_in_force(system);
         let share = |row: usize| {
             let (c, scale) = (self.off(system, row).unwrap_or(0.0).abs(), self.scales[row]);
             if c == 0.0 { 0.0 } else { c / (ROUNDING * scale) }
@@ -326,7 +326,7 @@ impl Projection {
 
     fn note<S: System + ?Sized>(&mut self, system: &S) {
         self.last = Residuals::default();
-        for row in system.active_rows().iter().map(|row| *row as usize) {
+        for row in rows_in_force(system) {
             if let Some(off) = self.off(system, row) {
                 self.last.position = self.last.position.max(off.abs());
             }

@@ -6,9 +6,9 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::cause::Cause;
 use crate::integrate::widest;
-use crate::matrix::solve_least;
+use crate::matrix::{rank, solve_least, svd};
 use crate::mechanism::dense::{SECOND_ROUNDING, constraint_matrix, constraint_triples, mass_matrix, sizes_alike};
-use crate::mechanism::{At, System};
+use crate::mechanism::{At, System, rows_in_force};
 
 /// What is known of a start: values, and which of them are held.
 #[derive(Clone, Debug)]
@@ -78,7 +78,7 @@ pub(super) struct Closing<'a, S: System + ?Sized> {
 impl<'a, S: System + ?Sized> Closing<'a, S> {
     pub fn new(system: &'a S, start: &Start<'a>) -> Self {
         let n = system.len();
-        let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+        let rows: Vec<usize> = rows_in_force(system).collect();
         let holonomic = rows.iter().copied().filter(|row| system.description().rows[*row].holonomic).collect();
         let free = (0..n).filter(|i| !start.held[*i]).collect();
         Closing { system, t: start.t, n, guess: start.y, held: start.held, rows, holonomic, free }
@@ -222,7 +222,8 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
         for _ in 0..100 {
             let (c, _) = self.residual(y);
             let a = self.jacobian(y, &self.holonomic).select_columns(&self.free);
-            let Ok(inverse) = a.clone().pseudo_inverse(1e-10 * a.norm()) else { return };
+            let inverse = svd(a.clone(), true, true).map(|svd| svd.pseudo_inverse(1e-10 * a.norm()));
+            let Some(Ok(inverse)) = inverse else { return };
             let pull = DVector::from_iterator(self.free.len(), self.free.iter().map(|i| self.guess[*i] - y[*i]));
             let step = &pull - &inverse * (&a * &pull) - &inverse * &c;
             let size = step.norm();
@@ -306,7 +307,7 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
                 row.scale_mut(1.0 / norm);
             }
         }
-        j.rank(SINGULAR) == self.free.len()
+        rank(j, SINGULAR) == Some(self.free.len())
     }
 
     /// Refuses a place where the constraints are less independent than elsewhere: what follows there is not determined.
@@ -329,9 +330,11 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
             let norm = line.norm();
             line.scale_mut(if norm > 0.0 { share / norm } else { 0.0 });
         }
-        let mut values: Vec<f64> = j.singular_values().iter().copied().collect();
-        values.sort_by(|a, b| b.total_cmp(a));
-        match rank.checked_sub(1).and_then(|k| values.get(k)) {
+        let Some(svd) = svd(j, false, false) else {
+            return Err(Cause::NonFinite { what: "the slopes of constraints at the start".to_owned() }.into());
+        };
+        // Falling.
+        match rank.checked_sub(1).and_then(|k| svd.singular_values.get(k)) {
             Some(sigma) if *sigma < SINGULAR => Err(Cause::SingularConfiguration { sigma: *sigma }.into()),
             _ => Ok(()),
         }

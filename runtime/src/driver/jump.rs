@@ -13,11 +13,11 @@ use crate::mechanism::System;
 #[derive(Clone, Debug)]
 pub(crate) struct JumpDetector {
     /// The length of steps before they collapsed, s.
-    calm: f64,
+    usual_step: f64,
     /// The longest step since then, s.
     longest: f64,
     /// Change of the acceleration per time over the last step.
-    policy: f64,
+    jerk: f64,
     /// So many short steps changed most of it.
     flips: u32,
     /// Steps shorter than this, s, count as a stall.
@@ -54,7 +54,7 @@ const NOTICED: f64 = 0.1;
 impl JumpDetector {
     /// For a motion of `span` seconds.
     pub fn new(span: f64) -> Self {
-        JumpDetector { calm: 0.0, longest: 0.0, policy: f64::NAN, flips: 0, shortest: 1e-9 * span, short: 0 }
+        JumpDetector { usual_step: 0.0, longest: 0.0, jerk: f64::NAN, flips: 0, shortest: 1e-9 * span, short: 0 }
     }
 
     /// Looks at a step of h with these accelerations at its ends; a jump is one only if a closer look confirms it.
@@ -62,15 +62,15 @@ impl JumpDetector {
         let changes = before.iter().zip(after).map(|(before, after)| (after - before).abs());
         let change = changes.fold(0.0, larger);
         let size = || before.iter().chain(after).fold(0.0, |most, a| larger(most, a.abs()));
-        let policy = change / h;
+        let jerk = change / h;
         let most = change > 0.5 * size();
         self.longest = self.longest.max(h);
         self.flips += u32::from(most && h < SHORT * self.longest);
         // Ever more rarely: what vibrates fast may look like that too, for long.
         let flips = most && self.flips >= FLIPS && self.flips.is_power_of_two();
-        let jumps = flips || h < COLLAPSE * self.calm && most && policy > SUDDEN * self.policy;
-        self.calm = h.max(0.8 * self.calm);
-        self.policy = policy;
+        let jumps = flips || h < COLLAPSE * self.usual_step && most && jerk > SUDDEN * self.jerk;
+        self.usual_step = h.max(0.8 * self.usual_step);
+        self.jerk = jerk;
         self.short = if h < self.shortest { self.short + 1 } else { 0 };
         if jumps {
             let moved = before.iter().zip(after).position(|(before, after)| (after - before).abs() == change);
@@ -81,8 +81,8 @@ impl JumpDetector {
 
     /// Forgets what was before a restart.
     pub fn restart(&mut self) {
-        (self.calm, self.longest, self.flips) = (0.0, 0.0, 0);
-        self.policy = f64::NAN;
+        (self.usual_step, self.longest, self.flips) = (0.0, 0.0, 0);
+        self.jerk = f64::NAN;
     }
 }
 

@@ -6,7 +6,7 @@ use super::{Integration, Step, StepPolicy};
 use crate::integrate::PERTURBATION;
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{constraint_matrix, mass_matrix};
-use crate::mechanism::{At, Enforcement, System, factor_packed, substitute_back, substitute_forward};
+use crate::mechanism::{At, Enforcement, System, factor_packed, rows_in_force, substitute_back, substitute_forward};
 
 /// How often in a row an error in units of the tolerance hardly fell although steps became much shorter.
 #[derive(Clone, Copy, Debug, Default)]
@@ -176,7 +176,7 @@ pub(super) fn by_terms(system: &dyn System, at: At<'_>, until: f64) -> Option<Ve
 /// What the rounding of reactions leaves of accelerations: the least change that would bring them to the constraints, as far as M⁻¹ u |J|ᵀ |λ|
 /// explains it; `None` without constraints that are to be held exactly.
 fn by_reactions(system: &dyn System, at: At<'_>) -> Option<Vec<f64>> {
-    let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    let rows: Vec<usize> = rows_in_force(system).collect();
     if rows.is_empty() || system.enforcement() != Enforcement::Multipliers || system.baumgarte_gain() != 0.0 {
         return None;
     }

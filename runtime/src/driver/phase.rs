@@ -6,7 +6,7 @@ use crate::cause::Cause;
 use crate::constrain::{VelocityJump, closed_within, lasting_rows, possible_restitution, velocity_jump};
 use crate::events::{EventLocator, Fired, Impulse, gained};
 use crate::mechanism::dense::impulse_terms;
-use crate::mechanism::{Action, At, Enforcement, System, Trigger};
+use crate::mechanism::{Action, At, Enforcement, System, Trigger, rows_in_force};
 use crate::run::{Recorder, SpeedJump};
 
 /// More firings than this at one instant are a cycle.
@@ -133,7 +133,7 @@ impl Integration {
                         continue;
                     }
                     if !actions.iter().all(sets) {
-                        locator.log(system, *event, (now, &y), actions.contains(&Action::Stop), recorder);
+                        locator.record_one(system, *event, (now, &y), actions.contains(&Action::Stop), recorder);
                     }
                 }
                 if Some(*event) == self.ends_after {
@@ -207,7 +207,7 @@ impl Integration {
         let fired = locator.already_past(system, (now, self.stepper.start().y), entered);
         for Fired { event, actions, .. } in &fired {
             let stops = actions.contains(&Action::Stop);
-            locator.log(system, *event, (now, self.stepper.start().y), stops, recorder);
+            locator.record_one(system, *event, (now, self.stepper.start().y), stops, recorder);
         }
         Ok(fired)
     }
@@ -327,7 +327,7 @@ impl Integration {
         (event, phase): (usize, usize),
         recorder: &mut Recorder,
     ) -> Result<Done, Box<Cause>> {
-        let before: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+        let before: Vec<usize> = rows_in_force(system).collect();
         let strikes = self.enter(system, phase, &[], recorder)?;
         let now = self.clock.now();
         if !strikes {
@@ -350,7 +350,7 @@ impl Integration {
         let mut strikes = false;
         let before: Vec<u32> = system.active_rows().to_vec();
         system.set_phase(phase);
-        let active: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+        let active: Vec<usize> = rows_in_force(system).collect();
         let now = self.clock.now();
         if let Some(projection) = &mut self.projection {
             projection.observe(system, now, self.stepper.start().y);
@@ -490,7 +490,7 @@ fn rows_of(system: &dyn System, constraint: u32) -> Vec<usize> {
 
 /// Active rows and others, in order.
 fn with(system: &dyn System, others: &[usize]) -> Vec<usize> {
-    let mut rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    let mut rows: Vec<usize> = rows_in_force(system).collect();
     rows.extend(others);
     rows.sort_unstable();
     rows.dedup();

@@ -38,7 +38,7 @@ impl Integration {
         for event in locator.at_end(system, (now, &y), self.h) {
             let actions = system.description().events[event].actions.to_vec();
             let stops = actions.contains(&Action::Stop);
-            locator.log(system, event, (now, &y), stops, recorder);
+            locator.record_one(system, event, (now, &y), stops, recorder);
             if stops {
                 stop_reason = Ok(StopReason::Event);
             }
@@ -87,7 +87,7 @@ impl Integration {
         if !fired.is_empty() {
             recorder.leave(system, now, self.stepper.start());
             for Fired { event, actions, .. } in &fired {
-                locator.log(system, *event, (now, &y), actions.contains(&Action::Stop), recorder);
+                locator.record_one(system, *event, (now, &y), actions.contains(&Action::Stop), recorder);
             }
             stop_reason = self.act(system, fired, &mut locator, recorder);
         }

@@ -219,6 +219,11 @@ mod tests {
         let x = f64x4::new([-1.0, 0.0, 2.0, f64::NAN]);
         let chosen = x.select_nonnegative(f64x4::from_f64(1.0), f64x4::from_f64(-1.0));
         assert_eq!(chosen.to_array(), [-1.0, 1.0, 1.0, -1.0]);
+        assert!(x.step().lane(3).is_nan() && x.sign().lane(3).is_nan() && x.abs().lane(3).is_nan());
+        let one = f64x4::from_f64(1.0);
+        for both in [x.min(one), one.min(x), x.max(one), one.max(x)] {
+            assert!(both.lane(3).is_nan() && both.to_array()[..3].iter().all(|x| x.is_finite()));
+        }
         assert!(!f64x4::from_f64(1.0).exceeds(x) && f64x4::from_f64(1.0).exceeds(f64x4::from_f64(0.5)));
     }
 }

@@ -170,6 +170,12 @@ impl fmt::Display for Inseparable {
 }
 
 impl Error {
+    /// [`Error::UnknownName`].
+    pub(crate) fn unknown(kind: &'static str, name: &str, known: impl IntoIterator<Item: ToString>) -> Error {
+        let known = known.into_iter().map(|known| known.to_string()).collect();
+        Error::UnknownName { kind, name: name.to_owned(), known }
+    }
+
     /// Why a run ended early; `None` for a bad setting.
     pub fn cause(&self) -> Option<&Cause> {
         match self {

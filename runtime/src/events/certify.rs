@@ -102,7 +102,7 @@ const NOISE: f64 = 4.0 * f64::EPSILON;
 /// Radians by which the argument of a sine or cosine may change within a first piece.
 pub(crate) const PHASE: f64 = 2.0;
 /// Samples of one function within one step.
-const MOST_SAMPLES: u64 = 100_000;
+pub(super) const MOST_SAMPLES: u64 = 100_000;
 
 /// Deviation from the cubic that is allowed, in parts of the observed variation.
 const CONSISTENT: f64 = 0.05;

@@ -1,9 +1,9 @@
 //! What the watched functions do within a step.
 
 use super::arguments::{Arguments, Course};
-use super::certify::{Certifier, Sample, ZeroKind};
+use super::certify::{Certifier, MOST_SAMPLES, Sample, ZeroKind};
 use super::sample::{PART, SHORTEST, SHOWN, Sampler, ends_hold};
-use crate::cause::Cause;
+use crate::cause::{Cause, TooFast};
 use crate::integrate::Segment;
 use crate::mechanism::{System, Watched};
 
@@ -250,7 +250,7 @@ impl Scanner {
         if self.inside[function] {
             let course = Course::Step(*segment);
             let places = arguments.places(system, &course, watched(sampler, function));
-            for theta in places.ok_or_else(|| Cause::OscillatesTooFast { function: name() })? {
+            for theta in places.ok_or_else(|| Cause::OscillatesTooFast { function: name(), limit: TooFast::Inside })? {
                 let known = [start, middle, end].into_iter().find(|sample| sample.x == theta);
                 grid.push(known.unwrap_or_else(|| {
                     let (value, slope) = sampler.sample(system, segment, function, theta);
@@ -314,7 +314,10 @@ impl Scanner {
         self.grid = grid;
         match certified {
             true => Ok(()),
-            false => Err(Cause::OscillatesTooFast { function: watched_name(system, sampler, function) }.into()),
+            false => {
+                let limit = TooFast::Samples(MOST_SAMPLES);
+                Err(Cause::OscillatesTooFast { function: watched_name(system, sampler, function), limit }.into())
+            }
         }
     }
 

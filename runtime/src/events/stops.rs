@@ -6,7 +6,7 @@ use super::modes;
 use super::sample::Sampler;
 use super::sides::SAME;
 use super::signals::{Break, breaks};
-use crate::cause::Cause;
+use crate::cause::{Cause, TooFast};
 use crate::mechanism::{System, Watched};
 
 /// A time at which the arguments of some switches vanish or change their signs.
@@ -92,7 +92,12 @@ impl Stops {
             match stop_times(system, (&mut *sampler, &mut *arguments), (self.horizon, end), y) {
                 Ok(list) => break Ok((list, end)),
                 Err(_) if self.stretch > SHORTEST * whole => self.stretch = 0.25 * self.stretch.min(whole),
-                Err(switch) => break Err(Cause::OscillatesTooFast { function: modes::text(system, switch) }),
+                Err(switch) => {
+                    break Err(Cause::OscillatesTooFast {
+                        function: modes::text(system, switch),
+                        limit: TooFast::InTime,
+                    });
+                }
             }
         };
         system.set_modes(&before);

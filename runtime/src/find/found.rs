@@ -2,6 +2,8 @@
 
 use super::fit::Fit;
 use crate::run::Run;
+#[cfg(feature = "cli")]
+use crate::run::written;
 
 /// Values for which a motion does what is wanted, and the motion.
 #[derive(Clone, Debug)]
@@ -40,6 +42,14 @@ pub struct Value {
     pub value: f64,
     /// What a run at another tolerance, and the last step, say of it.
     pub error: f64,
+}
+
+impl Value {
+    /// The number with the digits that hold.
+    #[cfg(feature = "cli")]
+    pub(crate) fn written(&self) -> String {
+        written(self.value, if self.error.is_nan() { f64::INFINITY } else { self.error })
+    }
 }
 
 impl Found {

@@ -2,6 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::matrix::svd;
+
 /// Between the singular values that count and those that do not lie at least so many decades: slopes are known to some eleven digits, and
 /// directions that change nothing are seen thirteen decades below the others.
 const GAP: f64 = 1e-6;
@@ -18,21 +20,15 @@ pub(crate) struct Linearised {
 
 impl Linearised {
     /// Of J with rows divided by their norms and columns in units of the unknowns' scales, as the caller gives it; slopes that are no numbers
-    /// tell of no direction, and singular values of such have no end.
+    /// tell of no direction.
     pub fn new(j: &DMatrix<f64>) -> Linearised {
         let (rows, columns) = j.shape();
         // With as many rows as columns at least, all directions have a singular value.
-        let mut full = DMatrix::zeros(rows.max(columns), columns);
-        if j.iter().all(|slope| slope.is_finite()) {
-            full.view_mut((0, 0), (rows, columns)).copy_from(j);
-        }
-        let svd = full.svd(true, true);
-        let mut order: Vec<usize> = (0..svd.singular_values.len()).collect();
-        order.sort_by(|a, b| svd.singular_values[*b].total_cmp(&svd.singular_values[*a]));
-        let (u, vt) = (svd.u.unwrap_or_default(), svd.v_t.unwrap_or_default());
-        let sigma = DVector::from_iterator(order.len(), order.iter().map(|k| svd.singular_values[*k]));
-        let v = DMatrix::from_fn(columns, order.len(), |i, k| vt[(order[k], i)]);
-        let u = DMatrix::from_fn(rows, order.len(), |i, k| u[(i, order[k])]);
+        let all = rows.max(columns);
+        let svd = svd(j.clone().resize_vertically(all, 0.0), true, true)
+            .unwrap_or_else(|| DMatrix::zeros(all, columns).svd(true, true));
+        let (sigma, v) = (svd.singular_values, svd.v_t.unwrap_or_default().transpose());
+        let u = svd.u.unwrap_or_default().rows(0, rows).into_owned();
         let rank = (0..sigma.len()).find(|k| {
             let before = if *k == 0 { f64::INFINITY } else { sigma[k - 1] };
             sigma[*k] == 0.0 || sigma[*k] <= GAP * before.min(f64::MAX) && *k > 0

@@ -130,12 +130,8 @@ impl Search {
         let columns = source.names();
         let place = |name: &str| {
             let found = columns.iter().position(|known| known == name);
-            let missing = || Error::UnknownName {
-                kind: "coordinate, rate or output",
-                name: name.to_owned(),
-                known: columns.iter().filter(|name| !name.starts_with(HIDDEN)).cloned().collect(),
-            };
-            found.ok_or_else(missing)
+            let known = columns.iter().filter(|name| !name.starts_with(HIDDEN));
+            found.ok_or_else(|| Error::unknown("coordinate, rate or output", name, known))
         };
         let mut conditions = Vec::with_capacity(self.conditions.len());
         for (name, value) in &self.conditions {

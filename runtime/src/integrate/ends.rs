@@ -21,6 +21,28 @@ pub(super) struct Ends {
     pub evaluations: u64,
 }
 
+/// The ends of a step of a method that keeps them in `ends`, for its [`OneStep`](super::OneStep).
+macro_rules! between_ends {
+    () => {
+        fn start(&self) -> Endpoint<'_> {
+            self.ends.first()
+        }
+
+        fn state_mut(&mut self) -> &mut [f64] {
+            &mut self.ends.y
+        }
+
+        fn end(&self) -> Endpoint<'_> {
+            self.ends.last()
+        }
+
+        fn end_mut(&mut self) -> &mut [f64] {
+            &mut self.ends.end
+        }
+    };
+}
+pub(super) use between_ends;
+
 impl Ends {
     /// Makes room for n coordinates.
     pub fn new(n: usize, work: bool) -> Self {

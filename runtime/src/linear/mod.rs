@@ -2,7 +2,7 @@
 //!
 //! 1. [`equilibrium_near`] searches, [`equilibrium_here`] verifies, each row by its own terms; what directions without
 //!    stiffness are, dry friction, contacts, dependence on time, and M, C and K as [`Linearised`]: look in
-//!    `equilibrium/`; rests with coordinates held and inputs, parameters or held values found ([`trim`]): in `equilibrium/trim.rs`.
+//!    `equilibrium/`; rests with coordinates held and inputs, parameters or held values found ([`trim`]): in `equilibrium/trim/`.
 //! 2. Modes: normal ([`normal_modes`]), damped, gyroscopic and circulatory ([`Linearised::modes`], `complex_modes`),
 //!    of systems z' = A z, secular pairs, proportional damping, pictures: look in `modes/`.
 //! 3. Rigid motions told apart from mechanisms ([`name_free_modes`]): look in `rigid.rs`.
@@ -50,11 +50,13 @@ pub use constrained::{Constrained, linearise_constrained, linearise_driven, stea
 pub use constrained::{Tangent, linearise_tangent, turning_coordinates};
 #[cfg(feature = "cli")]
 pub(crate) use equilibrium::force_unit;
+#[cfg(all(feature = "cli", feature = "modal"))]
+pub(crate) use equilibrium::periods;
+#[cfg(feature = "modal")]
 pub use equilibrium::{
     Equilibrium, Guess, Jump, Linearised, Trimmed, TrimmedValue, Unknown, ZeroStiffness, equilibria, equilibrium_here,
     equilibrium_near, linearise, state_matrix, trim, trim_steady,
 };
-#[cfg(feature = "modal")]
 pub use equilibrium::{SampledLoop, StateSpace, linearise_sampled, linearise_states};
 #[cfg(feature = "cli")]
 pub(crate) use forced::turned;

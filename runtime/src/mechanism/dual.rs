@@ -293,6 +293,13 @@ mod tests {
         assert_eq!((zero - Dual::constant(1.0)).abs().slope, -1.0);
     }
 
+    #[test]
+    fn what_is_no_number_stays_none() {
+        let (nan, one) = (Dual::constant(f64::NAN), Dual::constant(1.0));
+        let all = [nan.step(), nan.sign(), nan.abs(), nan.min(one), one.min(nan), nan.max(one), one.max(nan)];
+        assert!(all.iter().all(|x| x.value.is_nan()), "{all:?}");
+    }
+
     /// Each formula beside one that loses nothing.
     #[test]
     fn what_cancels_knows_what_is_left() {

@@ -2,7 +2,7 @@
 
 use super::balances::solve_rows;
 use super::dual::{Dual, moving, replaced_input, rounded, seed, still};
-use super::phased::{Phased, RowHistory, sprung};
+use super::phased::{Phased, RowHistory, shared_by_systems, sprung};
 use super::system::Replaced;
 use super::{
     Along, At, Contacts, Description, Energy, Enforcement, Function, Gimbal, Mechanism, Motion, MotionNumbers, Noise,
@@ -223,7 +223,17 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> DualState<M, 
     }
 }
 
+/// Calls a generated function of a state: all that it takes before what it fills, with these accelerations.
+macro_rules! at_state {
+    ($self:ident.$function:ident, $at:ident, $a:expr, $($filled:expr),+) => {{
+        let (u, lambda) = ($self.input_block($at.t), array_or_zero($at.lambda));
+        M::$function(&$self.constants, $at.t, u.as_ref(), array($at.q), array($at.v), $a, &lambda, $($filled),+)
+    }};
+}
+
 impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dynamic<M, N, C> {
+    shared_by_systems!();
+
     fn description(&self) -> &Description {
         M::description()
     }
@@ -313,22 +323,6 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
         Energy::from_array(M::part_energy(&self.constants, part, at.t, u.as_ref(), array(at.q), array(at.v)))
     }
 
-    fn accelerations_and_multipliers(&self, at: At<'_>, a: &mut [f64], lambda: &mut [f64]) -> Result<(), Singular> {
-        if !self.sliding.is_empty() {
-            return sliding::accelerations_and_multipliers(self, at, a, lambda);
-        }
-        lambda.fill(0.0);
-        if !self.active_rows().is_empty() {
-            self.phased.reactions(self, at, a, lambda)?;
-        }
-        // A system of balances gives its own accelerations, and leaves multipliers to the constraints.
-        if self.derivation.is_some() || self.active_rows().is_empty() { self.accelerations(at, a) } else { Ok(()) }
-    }
-
-    fn motion_rates(&self, at: At<'_>, a: &mut [f64], lambda: &mut [f64]) -> bool {
-        self.derivation.is_none() && self.phased.rates(self, at, a, lambda)
-    }
-
     fn constraints(&self, at: At<'_>, triples: &mut [f64]) {
         let u = self.input_block(at.t);
         M::constraints(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), triples);
@@ -348,9 +342,7 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
     }
 
     fn constraint_jacobians(&self, at: At<'_>, dq: &mut [f64], dv: &mut [f64]) {
-        let (u, lambda) = (self.input_block(at.t), array_or_zero(at.lambda));
-        let (q, v, a) = (array(at.q), array(at.v), array(at.a));
-        M::constraint_jacobians(&self.constants, at.t, u.as_ref(), q, v, a, &lambda, dq, dv);
+        at_state!(self.constraint_jacobians, at, array(at.a), dq, dv);
     }
 
     fn constraint_rate_jacobian(&self, at: At<'_>, values: &mut [f64]) {
@@ -378,13 +370,7 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
     }
 
     fn held_rates(&self, at: At<'_>, values: &mut [f64]) {
-        let (u, lambda) = (self.input_block(at.t), array_or_zero(at.lambda));
-        let (q, v, a) = (array(at.q), array(at.v), array(at.a));
-        M::held_rates(&self.constants, at.t, u.as_ref(), q, v, a, &lambda, values);
-    }
-
-    fn phase(&self) -> usize {
-        self.phased.phase
+        at_state!(self.held_rates, at, array(at.a), values);
     }
 
     fn set_phase(&mut self, phase: usize) {
@@ -394,26 +380,6 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
             let end = self.first_memory();
             super::phased::indicate(&mut self.constants.as_mut()[first..end], phase);
         }
-    }
-
-    fn row_history(&self) -> Option<&RowHistory> {
-        Some(&self.phased.history)
-    }
-
-    fn row_history_mut(&mut self) -> Option<&mut RowHistory> {
-        Some(&mut self.phased.history)
-    }
-
-    fn enforcement(&self) -> Enforcement {
-        self.phased.enforcement
-    }
-
-    fn baumgarte_gain(&self) -> f64 {
-        self.phased.alpha
-    }
-
-    fn enforce(&mut self, by: Enforcement, alpha: f64) {
-        (self.phased.enforcement, self.phased.alpha) = (by, alpha);
     }
 
     fn start_conditions(&self, at: At<'_>) -> Vec<(f64, f64)> {
@@ -460,88 +426,27 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
         if !self.sliding.is_empty() {
             return sliding::resolved(self, at).residual(at, f);
         }
-        let u = self.input_block(at.t);
-        M::residual(
-            &self.constants,
-            at.t,
-            u.as_ref(),
-            array(at.q),
-            array(at.v),
-            array(at.a),
-            &array_or_zero(at.lambda),
-            array_mut(f),
-        );
+        at_state!(self.residual, at, array(at.a), array_mut(f));
     }
 
     fn jacobians(&self, at: At<'_>, dq: &mut [f64], dv: &mut [f64]) {
-        let u = self.input_block(at.t);
-        M::jacobians(
-            &self.constants,
-            at.t,
-            u.as_ref(),
-            array(at.q),
-            array(at.v),
-            array(at.a),
-            &array_or_zero(at.lambda),
-            dq,
-            dv,
-        );
+        at_state!(self.jacobians, at, array(at.a), dq, dv);
     }
 
     fn input_jacobian(&self, at: At<'_>, du: &mut [f64]) {
-        let u = self.input_block(at.t);
-        M::input_jacobian(
-            &self.constants,
-            at.t,
-            u.as_ref(),
-            array(at.q),
-            array(at.v),
-            array(at.a),
-            &array_or_zero(at.lambda),
-            du,
-        );
+        at_state!(self.input_jacobian, at, array(at.a), du);
     }
 
     fn time_jacobian(&self, at: At<'_>, dt: &mut [f64]) {
-        let u = self.input_block(at.t);
-        M::time_jacobian(
-            &self.constants,
-            at.t,
-            u.as_ref(),
-            array(at.q),
-            array(at.v),
-            array(at.a),
-            &array_or_zero(at.lambda),
-            dt,
-        );
+        at_state!(self.time_jacobian, at, array(at.a), dt);
     }
 
     fn time_dependence(&self, at: At<'_>, dt: &mut [f64]) {
-        let u = self.input_block(at.t);
-        M::time_dependence(
-            &self.constants,
-            at.t,
-            u.as_ref(),
-            array(at.q),
-            array(at.v),
-            array(at.a),
-            &array_or_zero(at.lambda),
-            dt,
-        );
+        at_state!(self.time_dependence, at, array(at.a), dt);
     }
 
     fn magnitudes(&self, at: At<'_>, sums: &mut [f64]) {
-        let u = self.input_block(at.t);
-        M::magnitudes(
-            &self.constants,
-            at.t,
-            u.as_ref(),
-            array(at.q),
-            array(at.v),
-            array(at.a),
-            &array_or_zero(at.lambda),
-            sums,
-        );
+        at_state!(self.magnitudes, at, array(at.a), sums);
     }
 
     fn energy(&self, at: At<'_>) -> Energy {
@@ -620,49 +525,15 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
     }
 
     fn event_rates(&self, at: At<'_>, rates: &mut [f64]) {
-        let u = self.input_block(at.t);
-        M::event_rates(
-            &self.constants,
-            at.t,
-            u.as_ref(),
-            array(at.q),
-            array(at.v),
-            &array_or_zero(at.a),
-            &array_or_zero(at.lambda),
-            rates,
-        );
+        at_state!(self.event_rates, at, &array_or_zero(at.a), rates);
     }
 
     fn arguments(&self, at: At<'_>, pairs: &mut [f64]) {
-        let u = self.input_block(at.t);
-        M::arguments(
-            &self.constants,
-            at.t,
-            u.as_ref(),
-            array(at.q),
-            array(at.v),
-            &array_or_zero(at.a),
-            &array_or_zero(at.lambda),
-            pairs,
-        );
-    }
-
-    fn signal(&self, index: usize) -> Option<&Signal> {
-        self.signals.get(index)?.as_ref()?.signal()
+        at_state!(self.arguments, at, &array_or_zero(at.a), pairs);
     }
 
     fn switches(&self, at: At<'_>, pairs: &mut [f64]) {
-        let u = self.input_block(at.t);
-        M::switches(
-            &self.constants,
-            at.t,
-            u.as_ref(),
-            array(at.q),
-            array(at.v),
-            &array_or_zero(at.a),
-            &array_or_zero(at.lambda),
-            pairs,
-        );
+        at_state!(self.switches, at, &array_or_zero(at.a), pairs);
     }
 
     fn modes(&self) -> &[f64] {
@@ -673,14 +544,6 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
         let (first, end) = (self.first_mode(), self.first_phase());
         self.constants.as_mut()[first..end].copy_from_slice(modes);
         self.sliding = sliding::places(modes);
-    }
-
-    fn sliding(&self) -> &[usize] {
-        &self.sliding
-    }
-
-    fn can_slide(&self) -> bool {
-        true
     }
 
     fn drawing(&self, at: At<'_>, values: &mut [f64]) {
@@ -705,18 +568,6 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
         values.copy_from_slice(self.input_block(t).as_ref());
     }
 
-    fn set_input(&mut self, index: usize, signal: Signal) {
-        if let Some(slot) = self.signals.get_mut(index) {
-            *slot = Some(Replaced::Signal(signal));
-        }
-    }
-
-    fn hold_input(&mut self, index: usize, value: f64) {
-        if let Some(slot) = self.signals.get_mut(index) {
-            *slot = Some(Replaced::Held(value));
-        }
-    }
-
     fn scene_parameters(&self, scene: usize) -> Vec<(usize, f64)> {
         self.mechanism.scene_parameters(scene)
     }
@@ -734,17 +585,9 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
         M::balances(&self.constants, system, at.t, u.as_ref(), array(at.q), array(at.v), matrix, right);
     }
 
-    fn derivation(&self) -> Option<usize> {
-        self.derivation
-    }
-
     fn set_derivation(&mut self, system: Option<usize>) {
         if system.is_none_or(|system| system < M::description().balances.len()) {
             self.derivation = system;
         }
-    }
-
-    fn boxed_clone(&self) -> Box<dyn System> {
-        Box::new(self.clone())
     }
 }

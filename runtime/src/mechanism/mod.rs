@@ -39,6 +39,7 @@ pub(crate) use series::{Jets, MotionJets, dot};
 pub use singular::Singular;
 pub(crate) use slopes::AccelerationSlopes;
 pub(crate) use subsystem::OfPart;
+pub(crate) use system::rows_in_force;
 pub use system::{Along, Function, Signal, System};
 
 #[doc(inline)]

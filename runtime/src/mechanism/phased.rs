@@ -3,7 +3,7 @@
 use std::sync::{Mutex, PoisonError};
 
 use super::dense::constraint_triples;
-use super::{At, Energy, Enforcement, KktSolver, Singular, System};
+use super::{At, Energy, Enforcement, KktSolver, Singular, System, rows_in_force};
 
 /// What the motion so far tells of the constraints' rows; lists are empty where it tells nothing.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -31,6 +31,84 @@ pub(super) struct Phased {
     /// Nobody waits for it: whoever evaluates in parallel has a mechanism of its own.
     form: Mutex<KktSolver>,
 }
+
+/// What a mechanism does alike whether it is compiled or interpreted, of its fields `phased`, `signals`, `sliding` and `derivation`.
+macro_rules! shared_by_systems {
+    () => {
+        fn accelerations_and_multipliers(&self, at: At<'_>, a: &mut [f64], lambda: &mut [f64]) -> Result<(), Singular> {
+            if !self.sliding.is_empty() {
+                return sliding::accelerations_and_multipliers(self, at, a, lambda);
+            }
+            lambda.fill(0.0);
+            if !self.active_rows().is_empty() {
+                self.phased.reactions(self, at, a, lambda)?;
+            }
+            // A system of balances gives its own accelerations, and leaves multipliers to the constraints.
+            if self.derivation.is_some() || self.active_rows().is_empty() { self.accelerations(at, a) } else { Ok(()) }
+        }
+
+        fn motion_rates(&self, at: At<'_>, a: &mut [f64], lambda: &mut [f64]) -> bool {
+            self.derivation.is_none() && self.phased.rates(self, at, a, lambda)
+        }
+
+        fn phase(&self) -> usize {
+            self.phased.phase
+        }
+
+        fn row_history(&self) -> Option<&RowHistory> {
+            Some(&self.phased.history)
+        }
+
+        fn row_history_mut(&mut self) -> Option<&mut RowHistory> {
+            Some(&mut self.phased.history)
+        }
+
+        fn enforcement(&self) -> Enforcement {
+            self.phased.enforcement
+        }
+
+        fn baumgarte_gain(&self) -> f64 {
+            self.phased.alpha
+        }
+
+        fn enforce(&mut self, by: Enforcement, alpha: f64) {
+            (self.phased.enforcement, self.phased.alpha) = (by, alpha);
+        }
+
+        fn signal(&self, index: usize) -> Option<&Signal> {
+            self.signals.get(index)?.as_ref()?.signal()
+        }
+
+        fn sliding(&self) -> &[usize] {
+            &self.sliding
+        }
+
+        fn can_slide(&self) -> bool {
+            true
+        }
+
+        fn set_input(&mut self, index: usize, signal: Signal) {
+            if let Some(slot) = self.signals.get_mut(index) {
+                *slot = Some(Replaced::Signal(signal));
+            }
+        }
+
+        fn hold_input(&mut self, index: usize, value: f64) {
+            if let Some(slot) = self.signals.get_mut(index) {
+                *slot = Some(Replaced::Held(value));
+            }
+        }
+
+        fn derivation(&self) -> Option<usize> {
+            self.derivation
+        }
+
+        fn boxed_clone(&self) -> Box<dyn System> {
+            Box::new(self.clone())
+        }
+    };
+}
+pub(super) use shared_by_systems;
 
 impl Clone for Phased {
     fn clone(&self) -> Self {
@@ -101,7 +179,7 @@ impl Phased {
 pub(super) fn sprung<S: System + ?Sized>(system: &S, at: At<'_>, mut energy: Energy) -> Energy {
     let Enforcement::Springs { stiffness, damping } = system.enforcement() else { return energy };
     let triples = constraint_triples(system, at);
-    for row in system.active_rows().iter().map(|row| *row as usize) {
+    for row in rows_in_force(system) {
         let [c, rate, _] = triples[row];
         let held = if system.description().rows[row].holonomic { 0.5 * stiffness * c * c } else { 0.0 };
         energy.potential += held;

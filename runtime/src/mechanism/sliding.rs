@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::dense::constraint_matrix;
 use super::{At, Enforcement, Singular, SwitchKind, System};
-use crate::matrix::solve_least;
+use crate::matrix::{rank, solve_least};
 
 /// The mode of a switch that slides: what does not know of sliding makes no number of it.
 pub(crate) const SLIDES: f64 = f64::NAN;
@@ -135,7 +135,8 @@ impl Sides {
                 unit[j] = 0.0;
                 (0..still.len()).for_each(|i| matrix[(rows.len() + i, j)] = moved[i] - still[i]);
             }
-            if matrix.rank(NOTHING * matrix.amax()) == n
+            let nothing = NOTHING * matrix.amax();
+            if rank(matrix.clone(), nothing) == Some(n)
                 && let Some(solved) = solve_least(&matrix, &right)
             {
                 return a.copy_from_slice(solved.as_slice());

@@ -521,6 +521,11 @@ pub struct Along<'a> {
     pub memory: Option<usize>,
 }
 
+/// [`System::active_rows`] as places.
+pub(crate) fn rows_in_force<S: System + ?Sized>(system: &S) -> impl Iterator<Item = usize> {
+    system.active_rows().iter().map(|row| *row as usize)
+}
+
 /// What stands for an input's function of time in the file.
 #[derive(Clone)]
 pub(crate) enum Replaced {

@@ -22,6 +22,11 @@ pub enum NeedsError {
         /// The names there are.
         known: Vec<String>,
     },
+    /// The file has this not at all, or not so that a value can be written into it: in lines or brackets.
+    NotEditable {
+        /// What was to be changed: `scene`.
+        what: String,
+    },
     /// An accuracy that has no meaning here.
     BadNeed {
         /// What was asked for.
@@ -60,7 +65,14 @@ impl fmt::Display for NeedsError {
                 f.write_str(&messages.join("; "))
             }
             NeedsError::UnknownName { kind, name, known } => {
-                write!(f, "no {kind} is called `{name}`; there are {}", known.join(", "))
+                write!(f, "no {kind} is called `{name}`")?;
+                match known.as_slice() {
+                    [] => write!(f, "; there is none"),
+                    known => write!(f, "; there are {}", known.join(", ")),
+                }
+            }
+            NeedsError::NotEditable { what } => {
+                write!(f, "the file has no `{what}` in lines or brackets, into which another value could be written")
             }
             NeedsError::States => f.write_str(
                 "the model has states of first order, which `needs` does not leave out, hold or follow yet; `--slopes` of `simulate` tells how an \

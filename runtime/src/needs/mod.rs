@@ -175,41 +175,51 @@ impl NeedsRequest {
     /// The same question of the file with another value of a free parameter that has one, as the file would have it (`2 kg`).
     ///
     /// # Errors
-    /// The names of parameters that can be set, where this is none of them.
+    /// The names of parameters, where this is none of them; one that is not in lines or brackets.
     pub fn setting(mut self, name: &str, value: &str) -> Result<NeedsRequest, NeedsError> {
-        let known = keys(&self.source, &[Step::Key("parameters".to_owned())]);
-        let unknown = || NeedsError::UnknownName { kind: "parameter", name: name.to_owned(), known: known.clone() };
-        self.source = edit::with_parameter(&self.source, self.scene.as_deref(), name, value).ok_or_else(unknown)?;
+        self.is_known("parameters", "parameter", name)?;
+        let edited = edit::with_parameter(&self.source, self.scene.as_deref(), name, value);
+        self.source = edited.ok_or_else(|| NeedsError::NotEditable { what: name.to_owned() })?;
         Ok(self)
     }
 
     /// The same question of the file with another start of a coordinate or a speed, as the file would have it (`0.3 rad`).
     ///
     /// # Errors
-    /// The names of coordinates, where this is neither one of them nor its speed.
+    /// The names of coordinates, where this is neither one of them nor its speed; a scene that is not in lines or brackets.
     pub fn starting(mut self, name: &str, value: &str) -> Result<NeedsRequest, NeedsError> {
-        let known = keys(&self.source, &[Step::Key("coordinates".to_owned())]);
-        let unknown = || NeedsError::UnknownName { kind: "coordinate", name: name.to_owned(), known: known.clone() };
-        if !known.iter().any(|coordinate| coordinate == name.trim_end_matches('\'')) {
-            return Err(unknown());
-        }
+        self.is_known("coordinates", "coordinate", name.trim_end_matches('\''))?;
         let edited = edit::with_start(&self.source, self.scene.as_deref(), name, value);
-        self.source = edited.ok_or_else(unknown)?;
+        self.source = edited.ok_or_else(|| self.no_scene())?;
         Ok(self)
     }
 
     /// The same question of a scene that ends at another time, as the file would have it (`3 s`).
     ///
     /// # Errors
-    /// The names of scenes, where the file has none in lines or brackets that is asked for.
+    /// The names of scenes, where the file has none of this name; a scene that is not in lines or brackets.
     pub fn ending(mut self, until: &str) -> Result<NeedsRequest, NeedsError> {
+        if let Some(scene) = &self.scene {
+            self.is_known("scenes", "scene", scene)?;
+        }
         let edited = edit::with_until(&self.source, self.scene.as_deref(), until);
-        self.source = edited.ok_or_else(|| NeedsError::UnknownName {
-            kind: "scene",
-            name: self.scene.clone().unwrap_or_else(|| "scene".to_owned()),
-            known: keys(&self.source, &[Step::Key("scenes".to_owned())]),
-        })?;
+        self.source = edited.ok_or_else(|| self.no_scene())?;
         Ok(self)
+    }
+
+    /// Refuses a name that a section of the file does not have; a member of a family has no line of its own.
+    fn is_known(&self, section: &str, kind: &'static str, name: &str) -> Result<(), NeedsError> {
+        let known = keys(&self.source, &[Step::Key(section.to_owned())]);
+        let family = |key: &str| name.contains('[') && key.split('[').next() == name.split('[').next();
+        match () {
+            () if known.iter().any(|key| key == name) => Ok(()),
+            () if known.iter().any(|key| family(key)) => Err(NeedsError::NotEditable { what: name.to_owned() }),
+            () => Err(NeedsError::UnknownName { kind, name: name.to_owned(), known }),
+        }
+    }
+
+    fn no_scene(&self) -> NeedsError {
+        NeedsError::NotEditable { what: self.scene.clone().unwrap_or_else(|| "scene".to_owned()) }
     }
 
     /// What is wanted, by its own words or the file's.

@@ -159,6 +159,6 @@ fn varied(system: &mut dyn System, name: &str, first: f64) -> Result<Varied, Err
     if name == structure::ENERGY {
         return Ok(Varied::Energy);
     }
-    let known = parameters.iter().map(|parameter| parameter.name.to_string()).chain([structure::ENERGY.to_owned()]);
-    Err(Error::UnknownName { kind: "parameter", name: name.to_owned(), known: known.collect() })
+    let known = parameters.iter().map(|parameter| &*parameter.name).chain([structure::ENERGY]);
+    Err(Error::unknown("parameter", name, known))
 }

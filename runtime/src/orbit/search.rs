@@ -382,19 +382,14 @@ fn may_close(
 }
 
 fn event_index(description: &Description, name: &str) -> Result<usize, Error> {
-    description.events.iter().position(|event| event.name == name).ok_or_else(|| Error::UnknownName {
-        kind: "event",
-        name: name.to_owned(),
-        known: description.events.iter().map(|event| event.name.to_string()).collect(),
-    })
+    let found = description.events.iter().position(|event| event.name == name);
+    found.ok_or_else(|| Error::unknown("event", name, description.events.iter().map(|event| &event.name)))
 }
 
 fn coordinate_index(description: &Description, name: &str) -> Result<usize, Error> {
-    description.coordinates.iter().position(|coordinate| coordinate.name == name).ok_or_else(|| Error::UnknownName {
-        kind: "coordinate",
-        name: name.to_owned(),
-        known: description.coordinates.iter().map(|coordinate| coordinate.name.to_string()).collect(),
-    })
+    let coordinates = &description.coordinates;
+    let found = coordinates.iter().position(|coordinate| coordinate.name == name);
+    found.ok_or_else(|| Error::unknown("coordinate", name, coordinates.iter().map(|coordinate| &coordinate.name)))
 }
 
 /// Exchanges coordinates and phases: at the end the second is where the first was.

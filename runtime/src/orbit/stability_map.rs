@@ -130,11 +130,8 @@ fn ends(values: &[f64]) -> impl Iterator<Item = f64> {
 
 fn parameter_index(system: &dyn crate::mechanism::System, name: &str) -> Result<usize, Error> {
     let parameters = &system.description().parameters;
-    parameters.iter().position(|parameter| parameter.name == name).ok_or_else(|| Error::UnknownName {
-        kind: "parameter",
-        name: name.to_owned(),
-        known: parameters.iter().map(|parameter| parameter.name.to_string()).collect(),
-    })
+    let found = parameters.iter().position(|parameter| parameter.name == name);
+    found.ok_or_else(|| Error::unknown("parameter", name, parameters.iter().map(|parameter| &parameter.name)))
 }
 
 impl Row<'_> {

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::matrix::svd;
 use crate::mechanism::dense::{constraint_matrix, mass_matrix};
-use crate::mechanism::{Along, At, Function, System};
+use crate::mechanism::{Along, At, Function, System, rows_in_force};
 use crate::run::Side;
 
 /// A direction counts as known where the computed map takes it to where it must go to this part of it: flows are known to some ten digits.
@@ -81,7 +81,7 @@ pub(super) fn conserving(
 ) -> Vec<(String, DVector<f64>)> {
     let structure = &system.description().structure;
     let n = system.len();
-    let active: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    let active: Vec<usize> = rows_in_force(system).collect();
     let j = constraint_matrix(system, At::place(side.t, &side.y[..n]), &active);
     let cyclic = |k: usize| structure.cyclic.iter().any(|cyclic| *cyclic as usize == k);
     let conserves = |shift: &DVector<f64>| {
@@ -189,7 +189,7 @@ pub(super) fn shifts(system: &dyn System, sides: &[Side]) -> Vec<(String, DVecto
                 block.set_column(k, &DVector::from_vec(column));
             }
             if function == Function::RowAccelerations {
-                let active: Vec<usize> = here.active_rows().iter().map(|row| *row as usize).collect();
+                let active: Vec<usize> = rows_in_force(&*here).collect();
                 let holonomic: Vec<usize> =
                     active.iter().copied().filter(|row| here.description().rows[*row].holonomic).collect();
                 let j = constraint_matrix(&*here, At::place(side.t, &side.y[..n]), &holonomic);

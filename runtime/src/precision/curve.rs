@@ -38,10 +38,10 @@ impl Curve {
         let springs = matches!(candidate.settings.enforcement, Enforcement::Springs { .. });
         let mut curve = Curve { name: candidate.name.clone(), method, points: Vec::new() };
         let adapts = method.adapts_to(&system.description().structure);
-        let mut pace =
+        let mut control =
             if adapts { AccuracyControl::Tolerance(LOOSEST) } else { AccuracyControl::Step(reference.longest_step()) };
         for _ in 0..MOST {
-            let Some(point) = Point::measure(&mut *system, candidate, pace, reference, repetitions)? else { break };
+            let Some(point) = Point::measure(&mut *system, candidate, control, reference, repetitions)? else { break };
             let at_floor = point.outcome.as_ref().is_ok_and(|found| found.error <= reference.floor());
             curve.points.push(point);
             if at_floor {
@@ -50,7 +50,7 @@ impl Curve {
             if springs && curve.stands_still() || curve.is_rounding() {
                 break;
             }
-            pace = match pace {
+            control = match control {
                 AccuracyControl::Tolerance(tolerance) if tolerance < 1.5 * Settings::TIGHTEST => break,
                 AccuracyControl::Tolerance(tolerance) => AccuracyControl::Tolerance(tolerance * FINER),
                 AccuracyControl::Step(step) => AccuracyControl::Step(step * SHORTER),
@@ -89,7 +89,7 @@ impl Curve {
 
     /// The median of error over tolerance: 1 … 30 is good.
     pub fn honesty(&self) -> Option<f64> {
-        let ratio = |point: &Point| match (point.pace, &point.outcome) {
+        let ratio = |point: &Point| match (point.control, &point.outcome) {
             (AccuracyControl::Tolerance(tolerance), Ok(found)) => Some(found.error / tolerance),
             _ => None,
         };

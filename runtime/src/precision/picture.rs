@@ -116,7 +116,7 @@ impl WorkPrecision {
         let points = self.curves.iter().flat_map(|curve| curve.points.iter().map(move |point| (curve, point)));
         record(points.map(|(curve, point)| {
             let number = |value: f64| format!("{value:e}");
-            let (tolerance, step) = match point.pace {
+            let (tolerance, step) = match point.control {
                 AccuracyControl::Tolerance(tolerance) => (number(tolerance), String::new()),
                 AccuracyControl::Step(step) => (String::new(), number(step)),
             };
@@ -159,13 +159,13 @@ pub(super) fn into_table(columns: &[&str], rows: impl Iterator<Item = Vec<String
 /// Crosses at the top of a chart: at the tolerance, or at the left where there is none.
 fn failures(curve: &Curve) -> Vec<Failure> {
     let failed = curve.points.iter().filter_map(|point| Some((point, point.outcome.as_ref().err()?)));
-    let place = |pace: AccuracyControl| match pace {
+    let place = |control: AccuracyControl| match control {
         AccuracyControl::Tolerance(tolerance) => tolerance,
         AccuracyControl::Step(_) => 1.0,
     };
     let mut found: Vec<Failure> = Vec::new();
     for (point, code) in failed {
-        let x = place(point.pace);
+        let x = place(point.control);
         match found.iter_mut().find(|failure| failure.x == x) {
             Some(failure) if failure.label.contains(code) => {}
             Some(failure) => failure.label += &format!(", {code}"),

@@ -25,7 +25,7 @@ pub enum AccuracyControl {
 #[non_exhaustive]
 pub struct Point {
     /// Its tolerance or step.
-    pub pace: AccuracyControl,
+    pub control: AccuracyControl,
     /// What came out, or a word for why nothing did: `unstable`, or [`Cause::code`](crate::Cause::code).
     pub outcome: Result<Measured, &'static str>,
 }
@@ -69,14 +69,14 @@ impl Point {
     pub(super) fn measure(
         system: &mut dyn System,
         candidate: &Candidate,
-        pace: AccuracyControl,
+        control: AccuracyControl,
         reference: &Reference,
         repetitions: usize,
     ) -> Result<Option<Point>, Error> {
         let most = reference.most_evaluations();
         let max_steps = most / EVALUATIONS_A_STEP;
-        let settings = Settings { max_steps, ..paced(&candidate.settings, pace, reference) };
-        let coded = |code| Ok(Some(Point { pace, outcome: Err(code) }));
+        let settings = Settings { max_steps, ..paced(&candidate.settings, control, reference) };
+        let coded = |code| Ok(Some(Point { control, outcome: Err(code) }));
         let run = match simulate(system, &settings) {
             Ok(run) => run,
             Err(Error::Run(failure)) => {
@@ -104,14 +104,14 @@ impl Point {
         let (cost, work) = (WorkUnits::of_run(system, &plain), plain.work);
         let (method, drift) = (run.method, run.energy_balance);
         let found = Measured { method, error, growth, cost, work, seconds, drift, residual };
-        Ok(Some(Point { pace, outcome: Ok(found) }))
+        Ok(Some(Point { control, outcome: Ok(found) }))
     }
 }
 
 /// The settings of a run that is compared with the reference.
-fn paced(settings: &Settings, pace: AccuracyControl, reference: &Reference) -> Settings {
+fn paced(settings: &Settings, control: AccuracyControl, reference: &Reference) -> Settings {
     let settings = reference.compared(settings);
-    match pace {
+    match control {
         AccuracyControl::Tolerance(tolerance) => Settings { tolerance, step: None, ..settings },
         AccuracyControl::Step(step) => Settings { step: Some(step), ..settings },
     }

@@ -246,11 +246,7 @@ fn exact(settings: &Settings, method: Method, tolerance: f64) -> Settings {
 }
 
 fn column(run: &Run, name: &str) -> Result<Vec<f64>, Error> {
-    run.column(name).ok_or_else(|| Error::UnknownName {
-        kind: "coordinate, rate or output",
-        name: name.to_owned(),
-        known: run.shown_names(),
-    })
+    run.column(name).ok_or_else(|| Error::unknown("coordinate, rate or output", name, run.shown_names()))
 }
 
 /// How far values are apart, or a coordinate or rate has gone between them, `least` of the largest that has their unit at the least; what

@@ -36,7 +36,7 @@ fn errors_follow_the_laws_of_fixed_steps_on_the_oscillator() {
         let curve = found.curve(name).unwrap();
         let mut looked = 0;
         for point in &curve.points {
-            let (AccuracyControl::Step(step), Ok(found)) = (point.pace, &point.outcome) else { continue };
+            let (AccuracyControl::Step(step), Ok(found)) = (point.control, &point.outcome) else { continue };
             let expected = law(step) / 2.0;
             if found.error < 0.02 && found.error > 1e-8 {
                 assert!((found.error / expected - 1.0).abs() < 0.06, "{name} {step}: {} {expected}", found.error);
@@ -147,7 +147,7 @@ fn an_unknown_column_is_an_error() {
 /// A curve through (error, cost).
 fn curve(name: &str, points: &[(f64, f64)]) -> Curve {
     let of = |(error, cost): &(f64, f64)| Point {
-        pace: AccuracyControl::Tolerance(*error),
+        control: AccuracyControl::Tolerance(*error),
         outcome: Ok(Measured {
             method: Method::Dop853,
             error: *error,

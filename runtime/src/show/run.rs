@@ -113,11 +113,7 @@ impl Run {
             }
             let Some(state) = self.at(t.min(last)) else { break };
             let value = |name: &str| {
-                state.get(name).ok_or_else(|| Error::UnknownName {
-                    kind: "coordinate or rate",
-                    name: name.to_owned(),
-                    known: self.shown_names(),
-                })
+                state.get(name).ok_or_else(|| Error::unknown("coordinate or rate", name, self.shown_names()))
             };
             points.push(Some((value(x)?, value(y)?)));
             times.push(t);
@@ -209,7 +205,7 @@ impl Run {
 
 /// No column has this name.
 pub(super) fn unknown_column(run: &Run, name: &str) -> Error {
-    Error::UnknownName { kind: "coordinate, rate or output", name: name.to_owned(), known: run.shown_names() }
+    Error::unknown("coordinate, rate or output", name, run.shown_names())
 }
 
 /// The SI unit of a coordinate, rate, state or output of a mechanism; empty where it is pure or not known.

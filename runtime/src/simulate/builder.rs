@@ -49,39 +49,34 @@ impl<S: System> Simulation<S> {
     }
 
     /// Another scene of the model file.
-    pub fn scene(mut self, name: &str) -> Self {
+    pub fn scene(self, name: &str) -> Self {
         let scenes = &self.system.description().scenes;
         match scenes.iter().position(|scene| scene == name) {
-            Some(index) => {
-                let scene = set_scene(&mut self.system, &self.given, index);
-                self.settings.memory = Some(self.system.scene_memory(index));
-                let origin = Origin {
-                    scene: Some(index),
-                    given: vec![false; 2 * self.system.len()],
-                    tolerance: self.origin.tolerance,
-                };
-                Simulation { origin, ..self.from(&scene) }
-            }
+            Some(index) => self.at_scene(index),
             None => {
-                let known = scenes.iter().map(|scene| scene.to_string()).collect();
-                self.fail(Error::UnknownName { kind: "scene", name: name.to_owned(), known })
+                let error = Error::unknown("scene", name, scenes.iter());
+                self.fail(error)
             }
         }
     }
 
     /// A run of a motion of the model file, and its place.
-    pub(crate) fn of_motion(mut self, name: &str) -> Result<(Self, usize), Error> {
+    pub(crate) fn of_motion(self, name: &str) -> Result<(Self, usize), Error> {
         let motions = self.system.motions();
         let Some(motion) = motions.iter().position(|motion| motion.name == name) else {
-            let known = motions.iter().map(|motion| motion.name.to_string()).collect();
-            return Err(Error::UnknownName { kind: "motion", name: name.to_owned(), known });
+            return Err(Error::unknown("motion", name, motions.iter().map(|motion| &motion.name)));
         };
         let index = self.system.description().scenes.len() + motion;
+        Ok((self.at_scene(index), motion))
+    }
+
+    /// At the scene of this place, those of motions after the file's.
+    fn at_scene(mut self, index: usize) -> Self {
         let scene = set_scene(&mut self.system, &self.given, index);
         self.settings.memory = Some(self.system.scene_memory(index));
-        let origin =
-            Origin { scene: Some(index), given: vec![false; 2 * self.system.len()], tolerance: self.origin.tolerance };
-        Ok((Simulation { origin, ..self.from(&scene) }, motion))
+        let given = vec![false; 2 * self.system.len()];
+        let origin = Origin { scene: Some(index), given, tolerance: self.origin.tolerance };
+        Simulation { origin, ..self.from(&scene) }
     }
 
     /// Start, end, tolerance and spacing of a scene.
@@ -137,8 +132,8 @@ impl<S: System> Simulation<S> {
                 self
             }
             None => {
-                let known = description.start_names();
-                self.fail(Error::UnknownName { kind: "coordinate", name: name.to_owned(), known })
+                let error = Error::unknown("coordinate", name, description.start_names());
+                self.fail(error)
             }
         }
     }
@@ -155,8 +150,8 @@ impl<S: System> Simulation<S> {
                 self
             }
             None => {
-                let known = inputs.iter().map(|input| input.to_string()).collect();
-                self.fail(Error::UnknownName { kind: "input", name: name.to_owned(), known })
+                let error = Error::unknown("input", name, inputs.iter());
+                self.fail(error)
             }
         }
     }
@@ -311,11 +306,12 @@ impl<S: System> Simulation<S> {
 /// The system of balances of this name; `None` for `lagrange`.
 pub(crate) fn derivation(mechanism: &Description, name: &str) -> Result<Option<usize>, Error> {
     let found = mechanism.balances.iter().position(|system| system.name == name);
-    if found.is_some() || name == LAGRANGE {
-        return Ok(found);
-    }
-    let known = mechanism.balances.iter().map(|system| system.name.to_string()).collect();
-    Err(Error::UnknownName { kind: "system of balances", name: name.to_owned(), known })
+    if found.is_some() || name == LAGRANGE { Ok(found) } else { Err(no_balances(mechanism, name)) }
+}
+
+/// That no system of balances has this name.
+pub(super) fn no_balances(mechanism: &Description, name: &str) -> Error {
+    Error::unknown("system of balances", name, mechanism.balances.iter().map(|system| &system.name))
 }
 
 /// The name of the derivation that every mechanism has.
@@ -323,8 +319,9 @@ pub(crate) const LAGRANGE: &str = "lagrange";
 
 /// Sets what a scene sets, where the file's value was given, in place of what another scene set; returns the scene.
 fn set_scene<S: System>(system: &mut S, given: &[f64], index: usize) -> Scene {
+    let now = system.parameters();
     for (parameter, value) in given.iter().enumerate() {
-        if system.parameters().get(parameter) != Some(value) {
+        if now.get(parameter) != Some(value) {
             system.set_parameter(parameter, *value);
         }
     }

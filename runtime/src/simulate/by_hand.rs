@@ -150,8 +150,7 @@ impl<S: System> Stepping<S> {
     pub fn set_input(&mut self, name: &str, value: f64) -> Result<(), Error> {
         let inputs = &self.system.description().inputs;
         let Some(index) = inputs.iter().position(|input| input == name) else {
-            let known = inputs.iter().map(|input| input.to_string()).collect();
-            return Err(Error::UnknownName { kind: "input", name: name.to_owned(), known });
+            return Err(Error::unknown("input", name, inputs.iter()));
         };
         if !value.is_finite() {
             return Err(Error::BadSetting { setting: "input", value, expected: "a number" });
@@ -172,8 +171,7 @@ impl<S: System> Stepping<S> {
     pub fn set_memory(&mut self, name: &str, value: f64) -> Result<(), Error> {
         let sampling = self.system.sampling();
         let Some(place) = sampling.place_of(name) else {
-            let known = sampling.memory.iter().map(|held| held.name.to_string()).collect();
-            return Err(Error::UnknownName { kind: "held value", name: name.to_owned(), known });
+            return Err(Error::unknown("held value", name, sampling.memory.iter().map(|held| &held.name)));
         };
         if !value.is_finite() {
             return Err(Error::BadSetting { setting: "memory", value, expected: "a number" });

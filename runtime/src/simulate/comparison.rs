@@ -16,7 +16,7 @@ use crate::events::{Ticks, begin_at};
 use crate::integrate::order;
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{constraint_matrix, constraint_triples, sizes_alike};
-use crate::mechanism::{Action, Argument, At, Method, Role, System, Watched};
+use crate::mechanism::{Action, Argument, At, Method, Role, System, Watched, rows_in_force};
 use crate::run::{Digits, Run, evaluate_outputs};
 use crate::trust::{Loss, Warning, all_rates, inertia_condition};
 
@@ -371,8 +371,7 @@ fn leave_walls(system: &dyn System, t: f64, start: &[f64], q: &mut [f64]) {
         system.contacts().all.iter().filter_map(|contact| contact.normal).map(|row| row as usize).collect();
     let (rows, n) = (&system.description().rows, q.len());
     let at_rest = |q: &[f64]| [q, &vec![0.0; n]].concat();
-    let mut kept: Vec<usize> =
-        system.active_rows().iter().map(|row| *row as usize).filter(|row| rows[*row].holonomic).collect();
+    let mut kept: Vec<usize> = rows_in_force(system).filter(|row| rows[*row].holonomic).collect();
     let least: Vec<f64> =
         constraint_triples(system, At::packed(t, &at_rest(start), n)).iter().map(|[c, ..]| c.min(0.0)).collect();
     // What leads out of one wall may lead into another one.

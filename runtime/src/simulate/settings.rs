@@ -156,13 +156,9 @@ impl Settings {
     /// # Errors
     /// [`Error::UnknownName`].
     pub fn ignore(&mut self, mechanism: &Description, event: &str) -> Result<(), Error> {
-        match mechanism.events.iter().position(|known| known.name == event) {
-            Some(place) => self.ignored_events.push(place),
-            None => {
-                let known = mechanism.events.iter().map(|event| event.name.to_string()).collect();
-                return Err(Error::UnknownName { kind: "event", name: event.to_owned(), known });
-            }
-        }
+        let place = mechanism.events.iter().position(|known| known.name == event);
+        let unknown = || Error::unknown("event", event, mechanism.events.iter().map(|event| &event.name));
+        self.ignored_events.push(place.ok_or_else(unknown)?);
         Ok(())
     }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
-use super::builder::{Simulation, derivation};
+use super::builder::{Simulation, derivation, no_balances};
 use crate::error::Error;
 use crate::mechanism::{At, Balances, Dynamic, Mechanism, Singular, System};
 
@@ -63,7 +63,7 @@ pub trait Simulate<const N: usize, const C: usize>: Mechanism<N, C> + 'static {
         let system = self.system();
         let index = derivation(system.description(), name)?;
         let Some(mut balances) = index.and_then(|index| Balances::new(&system, index)) else {
-            return Err(Error::UnknownName { kind: "system of balances", name: name.to_owned(), known: Vec::new() });
+            return Err(no_balances(system.description(), name));
         };
         balances.evaluate(&system, At::new(t, q, v));
         let size = balances.size();

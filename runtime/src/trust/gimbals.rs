@@ -6,7 +6,7 @@ use nalgebra::DMatrix;
 
 use crate::cause::{Cause, GimbalLock};
 use crate::mechanism::dense::{constraint_matrix, mass_matrix};
-use crate::mechanism::{At, Gimbal, System};
+use crate::mechanism::{At, Gimbal, System, rows_in_force};
 
 /// The part of the largest inertia below which a combination of the angles' rates moves nothing: rounding of M's elements, with room for
 /// a thousand terms.
@@ -100,7 +100,7 @@ fn named<S: System + ?Sized>(system: &S, gimbal: &Gimbal) -> GimbalLock {
 /// Whether some rates of the three angles, of two at least, neither move a mass nor meet a constraint: M v = 0 and J v = 0.
 fn is_locked<S: System + ?Sized>(system: &S, gimbal: &Gimbal, at: At<'_>) -> bool {
     let m = mass_matrix(system, at);
-    let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    let rows: Vec<usize> = rows_in_force(system).collect();
     let size = m.diagonal().map(|m| if m > 0.0 { m.sqrt() } else { 1.0 });
     let columns = gimbal.coordinates.map(|k| k as usize);
     let moved = DMatrix::from_fn(m.nrows(), 3, |i, k| m[(i, columns[k])] / (size[i] * size[columns[k]]));

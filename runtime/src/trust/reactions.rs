@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::matrix::svd;
 use crate::mechanism::dense::multiplier_effects;
-use crate::mechanism::{At, Enforcement, System};
+use crate::mechanism::{At, Enforcement, System, rows_in_force};
 
 /// A combination of multipliers does nothing whose effect is below this part of the largest.
 const NOTHING: f64 = 1e-9;
@@ -14,7 +14,7 @@ const NOTHING: f64 = 1e-9;
 pub(crate) fn not_unique<S: System + ?Sized>(system: &S, t: f64, y: &[f64]) -> Vec<usize> {
     let description = system.description();
     let (n, rows) = (system.len(), description.rows.len());
-    let active: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    let active: Vec<usize> = rows_in_force(system).collect();
     let rank = description.phases.get(system.phase()).map_or(active.len(), |phase| phase.rank as usize);
     let sprung = matches!(system.enforcement(), Enforcement::Springs { .. });
     if rank >= active.len() || description.output_len() == 0 || sprung {

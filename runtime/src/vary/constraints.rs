@@ -1,7 +1,7 @@
 //! Columns on the constraints.
 
 use super::response::Response;
-use crate::mechanism::{Along, At, Function, Singular, System};
+use crate::mechanism::{Along, At, Function, Singular, System, rows_in_force};
 
 /// Brings [q, δq …, q', δq' …] back to the constraints in force by the least change in the metric of M: first c = 0 of the places, with the
 /// slopes J δq + ∂c/∂p δp = 0, then c' = 0 of the rates, with theirs.
@@ -20,7 +20,7 @@ pub(super) fn project(
     let rows = &system.description().rows;
     let count = rows.len();
     let (mut triples, mut off, mut moved) = (vec![0.0; 3 * count], vec![0.0; count], vec![0.0; n]);
-    let active: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    let active: Vec<usize> = rows_in_force(system).collect();
     for speeds in [false, true] {
         response.stand(system, At::new(t, &places[..n], &rates[..n]))?;
         system.constraints(At::new(t, &places[..n], &rates[..n]), &mut triples);

@@ -95,12 +95,8 @@ pub(crate) fn unknown(system: &dyn System, name: &str) -> Result<Unknown, Error>
         return Ok(Unknown::Parameter(place));
     }
     let parameters = description.parameters.iter().map(|parameter| parameter.name.to_string());
-    let coordinates = description.start_names().into_iter();
-    Err(Error::UnknownName {
-        kind: "coordinate, rate or parameter",
-        name: name.to_owned(),
-        known: coordinates.chain(parameters).collect(),
-    })
+    let known = description.start_names().into_iter().chain(parameters);
+    Err(Error::unknown("coordinate, rate or parameter", name, known))
 }
 
 /// Runs a motion with the slopes by these unknowns, at its end and, where `every` is given, at the reported times.

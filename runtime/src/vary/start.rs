@@ -6,7 +6,7 @@ use super::momenta::{momentum_slopes, rate_slopes};
 use super::{NoSlopes, Unknown};
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{constraint_matrix, mass_matrix};
-use crate::mechanism::{Along, At, Function, System};
+use crate::mechanism::{Along, At, Function, System, rows_in_force};
 
 /// A constraint is met by slopes that leave this part of what they had to make up for.
 const MISSED: f64 = 1e-6;
@@ -57,7 +57,7 @@ pub(super) fn column(system: &dyn System, start: &Start<'_>, unknown: Unknown) -
             Some(k)
         }
     };
-    let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    let rows: Vec<usize> = rows_in_force(system).collect();
     if rows.is_empty() {
         return Ok(asked);
     }

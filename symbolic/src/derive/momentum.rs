@@ -142,10 +142,7 @@ fn solved_for(graph: &mut Graph, residuals: &[Id], unknowns: &[Symbol], known: &
 /// The unknowns of a system: accelerations, then the components of its reactions, then the multipliers that stand in it.
 pub(crate) fn unknowns(model: &Model, system: &BalanceSystem) -> Vec<Symbol> {
     let accelerations = (0..model.coordinates.len()).map(|i| Symbol::Acceleration(i as u32));
-    let reactions = system.reactions.iter().flat_map(|&k| {
-        let reaction = &model.reactions[k];
-        (0..reaction.components as u32).map(|c| Symbol::Reaction(reaction.first + c))
-    });
+    let reactions = system.reactions.iter().flat_map(|&k| model.reactions[k].symbols());
     let parts = system.balances.iter().flat_map(|balance| &balance.parts);
     let values: Vec<Id> = parts.flat_map(|part| part.value.iter().copied()).collect();
     if model.constraints.is_empty() {

@@ -130,12 +130,7 @@ fn wanted(model: &Model) -> Vec<Symbol> {
 /// system agrees with the motion.
 fn least_squares(model: &mut Model, system: &BalanceSystem, unknowns: &[Symbol]) -> Vec<Id> {
     let (m, defaults) = (unknowns.len(), typical(model));
-    let couple = |unknown: &Symbol| match unknown {
-        Symbol::Reaction(k) => {
-            model.reactions.iter().any(|r| r.couple && (r.first..r.first + r.components as u32).contains(k))
-        }
-        _ => false,
-    };
+    let couple = |unknown: &Symbol| model.reactions.iter().any(|r| r.couple && r.symbols().any(|s| s == *unknown));
     let couples: Vec<bool> = unknowns.iter().map(couple).collect();
     let graph = &mut model.graph;
     let mut residuals = Vec::new();

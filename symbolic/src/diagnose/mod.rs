@@ -14,12 +14,14 @@
 
 pub mod catalogue;
 mod suggest;
+mod words;
 
 use crate::place::Span;
 
 pub use crate::place::{Place, Step};
 pub use catalogue::Entry;
 pub use suggest::{did_you_mean, did_you_mean_or, nearest, rate_meant};
+pub use words::{counted, listed, quoted};
 
 /// One thing that is wrong with a model file.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,6 +2,8 @@
 
 use strsim::damerau_levenshtein;
 
+use super::quoted;
+
 /// The candidate nearest to `name`: at most one edit in three letters away (two edits in four or five), swaps of
 /// neighbours counted once, or equal but for case.  Ties go to the first.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
@@ -76,10 +78,6 @@ const RATES: [(&str, &str, &str); 12] = [
     ("a_", "", "''"),
     ("omega_", "", "'"),
 ];
-
-fn quoted(names: &[&str]) -> String {
-    names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
-}
 
 /// So many candidates are looked at.
 const MOST: usize = 2000;

@@ -184,37 +184,45 @@ impl Table {
     }
 }
 
-impl PartialEq for Table {
-    fn eq(&self, other: &Table) -> bool {
-        self.key() == other.key()
-    }
-}
+/// Tables of one place and order are one; they are compared by these, and called by their names.
+macro_rules! compared_by_key {
+    ($type:ty) => {
+        impl PartialEq for $type {
+            fn eq(&self, other: &$type) -> bool {
+                self.key() == other.key()
+            }
+        }
 
-impl Eq for Table {}
+        impl Eq for $type {}
 
-impl std::hash::Hash for Table {
-    fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
-        self.key().hash(state);
-    }
-}
+        impl std::hash::Hash for $type {
+            fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
+                self.key().hash(state);
+            }
+        }
 
-impl PartialOrd for Table {
-    fn partial_cmp(&self, other: &Table) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
+        impl PartialOrd for $type {
+            fn partial_cmp(&self, other: &$type) -> Option<std::cmp::Ordering> {
+                Some(self.cmp(other))
+            }
+        }
 
-impl Ord for Table {
-    fn cmp(&self, other: &Table) -> std::cmp::Ordering {
-        self.key().cmp(&other.key())
-    }
-}
+        impl Ord for $type {
+            fn cmp(&self, other: &$type) -> std::cmp::Ordering {
+                self.key().cmp(&other.key())
+            }
+        }
 
-impl std::fmt::Debug for Table {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.name())
-    }
+        impl std::fmt::Debug for $type {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str(self.name())
+            }
+        }
+    };
 }
+pub(super) use compared_by_key;
+
+compared_by_key!(Table);
 
 impl Table {
     fn key(self) -> (usize, u8) {

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::{LazyLock, Mutex, PoisonError};
 
-use super::table::{Smooth, Table, chords, monotone_slopes, pieces, spline_slopes};
+use super::table::{Smooth, Table, chords, compared_by_key, monotone_slopes, pieces, spline_slopes};
 use crate::number::DoubleDouble;
 
 /// A table of two arguments, or a partial derivative of it.
@@ -169,37 +169,7 @@ impl Table2d {
     }
 }
 
-impl PartialEq for Table2d {
-    fn eq(&self, other: &Table2d) -> bool {
-        self.key() == other.key()
-    }
-}
-
-impl Eq for Table2d {}
-
-impl std::hash::Hash for Table2d {
-    fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
-        self.key().hash(state);
-    }
-}
-
-impl PartialOrd for Table2d {
-    fn partial_cmp(&self, other: &Table2d) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Table2d {
-    fn cmp(&self, other: &Table2d) -> std::cmp::Ordering {
-        self.key().cmp(&other.key())
-    }
-}
-
-impl std::fmt::Debug for Table2d {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.name())
-    }
-}
+compared_by_key!(Table2d);
 
 impl Grid {
     /// The same with rows and columns exchanged.

@@ -66,6 +66,14 @@ impl<'a> Spot<'a> {
         }
     }
 
+    /// What is read of a key that may be left out: `Some(None)` where it is, `None` where it is there and wrong.
+    pub fn optional<T>(&self, key: &str, read: impl FnOnce(Spot<'a>) -> Option<T>) -> Option<Option<T>> {
+        match self.get(key) {
+            Some(spot) => read(spot).map(Some),
+            None => Some(None),
+        }
+    }
+
     /// The value of a key that must be there.
     pub fn need(&self, key: &str, section: &str, problems: &mut Problems) -> Option<Spot<'a>> {
         let found = self.get(key);

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::ops::Range;
 
 use super::locate;
-use crate::diagnose::Problem;
+use crate::diagnose::{Problem, counted};
 
 /// Most problems shown.
 const MOST: usize = 50;
@@ -83,10 +83,6 @@ pub fn sort(text: &str, problems: &mut Vec<Problem>) {
     let mut sorted: Vec<(usize, Problem)> = starts.zip(std::mem::take(problems)).collect();
     sorted.sort_by_key(|(start, _)| *start);
     problems.extend(sorted.into_iter().map(|(_, problem)| problem));
-}
-
-fn counted(n: usize, word: &str) -> String {
-    format!("{n} {word}{}", if n == 1 { "" } else { "s" })
 }
 
 fn one(out: &mut String, path: &str, text: &str, range: &Range<usize>, problem: &Problem) {

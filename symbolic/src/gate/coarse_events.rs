@@ -77,8 +77,7 @@ impl Turns {
                 EventAction::Stop | EventAction::Record | EventAction::Set(_) | EventAction::Contact(_) => None,
                 EventAction::Phase(phase) => Some(Act::Phase(phase)),
                 EventAction::Impact { restitution, along } => {
-                    let constraint = &model.constraints[along];
-                    let rows = (constraint.first..constraint.first + constraint.value.len()).collect();
+                    let rows = model.constraints[along].rows().collect();
                     Some(Act::Impact { restitution: root(restitution), rows })
                 }
             };

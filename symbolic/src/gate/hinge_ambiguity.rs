@@ -92,7 +92,7 @@ fn differing(before: &[Measured], after: &[Measured], coordinates: usize) -> Opt
 fn unknown(model: &Model, symbol: Symbol) -> String {
     match symbol {
         Symbol::Reaction(k) => {
-            let owner = model.reactions.iter().find(|r| (r.first..r.first + r.components as u32).contains(&k));
+            let owner = model.reactions.iter().find(|r| r.symbols().any(|s| s == symbol));
             let component = |first: u32| [".x", ".y", ".z"].get((k - first) as usize).copied().unwrap_or("");
             owner.map_or(String::new(), |r| format!("`{}{}`", r.name, if r.scalar { "" } else { component(r.first) }))
         }

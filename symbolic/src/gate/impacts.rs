@@ -204,10 +204,7 @@ fn rows_of(model: &Model, motion: &Motion, phase: usize, action: &EventAction) -
             let active = motion.constraints.active(phase);
             motion.constraints.active(*next).iter().filter(|row| !active.contains(row)).copied().collect()
         }
-        EventAction::Impact { along, .. } => {
-            let constraint = &model.constraints[*along];
-            (constraint.first..constraint.first + constraint.value.len()).collect()
-        }
+        EventAction::Impact { along, .. } => model.constraints[*along].rows().collect(),
     }
 }
 

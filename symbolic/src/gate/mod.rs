@@ -70,7 +70,7 @@ mod unformed;
 
 use crate::derive::{Derivation, Equations, Rows, derive, derive_with_masses};
 use crate::diagnose::catalogue::{mechanics, verdicts};
-use crate::diagnose::{Place, Problem};
+use crate::diagnose::{Place, Problem, listed};
 use crate::expr::Id;
 use crate::model::command::evaluate;
 use crate::model::{Load, Model, Sample, Work, rate_name};
@@ -327,10 +327,9 @@ fn too_many_coupled(model: &Model, motion: &motion::Motion) -> Option<Place> {
         (0..motion.constraints.phases()).filter_map(|phase| motion.constraints.active(phase).get(COUPLED_LIMIT));
     let coupled = motion.coupled.iter().filter_map(|block| block.get(COUPLED_LIMIT)).copied();
     let extra = coupled.chain(phases.map(|row| motion.n + row)).next()?;
-    let owner = |row: usize| model.constraints.iter().find(|c| (c.first..c.first + c.value.len()).contains(&row));
     match model.coordinates.get(extra) {
         Some(coordinate) => Some(coordinate.place.clone()),
-        None => owner(extra - motion.n).map(|constraint| constraint.place.clone()),
+        None => model.constraint_of_row(extra - motion.n).map(|constraint| constraint.place.clone()),
     }
 }
 
@@ -349,8 +348,7 @@ fn dependent_rows(
     let count = |phase: usize| constraints.active(phase).len();
     *found = ranks.iter().enumerate().map(|(phase, rank)| rank.unwrap_or(count(phase))).collect();
     let place = |model: &Model, row: usize| {
-        let owner = model.constraints.iter().find(|c| (c.first..c.first + c.value.len()).contains(&row));
-        owner.map_or_else(Place::default, |c| c.place.clone())
+        model.constraint_of_row(row).map_or_else(Place::default, |constraint| constraint.place.clone())
     };
     let mut problems = Vec::new();
     let contradicting = dependent::contradictions(constraints, states, &ranks);
@@ -379,15 +377,6 @@ fn dependent_rows(
 
 /// Where other values of the parameters would decide otherwise.
 const PARTICULAR: &str = " for these values of the parameters";
-
-/// "`a`, `b` and `c`".
-fn listed(names: &[String]) -> String {
-    match names.split_last() {
-        Some((last, others)) if !others.is_empty() => format!("{} and {last}", others.join(", ")),
-        Some((last, _)) => last.clone(),
-        None => String::new(),
-    }
-}
 
 /// A file with constraints in which nothing has mass: their forces would hold nothing.
 fn weightless(model: &Model, equations: &[Equations]) -> Vec<Problem> {

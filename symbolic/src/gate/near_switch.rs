@@ -3,8 +3,8 @@
 //! `step`, `sign`, `abs`, `min` and `max` change at the zero of an argument; `exp`, `tanh`, `atan` and their like, roots
 //! and powers say something only where theirs is of order one, which may be a narrow band that no random state meets.
 //! Arguments are followed along lines (time, one coordinate, one speed, the way between two states, a whole motion) and
-//! solved for; where several meet is found in `passage`, `cells`, `pairs` and
-//! `products`, and between the points of tables in `points`; what rests there is moved in `speeds`.
+//! solved for; where several meet is found in `along_motion`, `combinations`, `narrow_pairs` and
+//! `narrow_products`, and between the points of tables in `between_knots`; what rests there is moved in `speeds`.
 
 use std::collections::BTreeSet;
 

@@ -56,6 +56,5 @@ pub(super) fn disagreements(model: &Model, momentum: &[Momentum], states: &[Stat
 
 /// The components of a reaction in the solution of a system that names it.
 fn components(reaction: &Reaction, linear: &Momentum, solution: &[Measured]) -> Option<Vec<Measured>> {
-    let symbols = (0..reaction.components as u32).map(|c| crate::expr::Symbol::Reaction(reaction.first + c));
-    symbols.map(|s| solution.get(linear.unknowns.iter().position(|u| *u == s)?).copied()).collect()
+    reaction.symbols().map(|s| solution.get(linear.unknowns.iter().position(|u| *u == s)?).copied()).collect()
 }

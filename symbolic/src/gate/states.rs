@@ -4,7 +4,7 @@
 //! 2. One group of coordinates moving, the others at rest.
 //! 3. From the motion itself, by a coarse run of each scene: look in `trajectory`.
 //! 4. On both sides of every discontinuity, at it, and where functions that are local through their arguments say
-//!    something: look in `sides`.
+//!    something: look in `near_switch`.
 
 use super::coarse_events::{Turns, VelocityJump};
 use super::draw::{Draws, with_set};

@@ -56,7 +56,7 @@ pub enum Function {
     ConstraintDamping,
     ConstraintRateJacobian,
     HeldRates,
-    Also,
+    StartConditions,
     Inputs,
 }
 
@@ -129,7 +129,7 @@ impl Interpreter {
         set(Function::ConstraintDamping, &entries(&constraints.damping));
         set(Function::ConstraintRateJacobian, &entries(&constraints.rate_jacobian));
         set(Function::HeldRates, &constraints.held_rates);
-        set(Function::Also, &program.start_conditions());
+        set(Function::StartConditions, &program.start_conditions());
         let rates: Vec<Id> = program.event_rates.iter().map(|rate| rate.value()).collect();
         set(Function::EventRates, &rates);
         let pairs: Vec<Id> = program.arguments.iter().flat_map(|a| [a.value, a.rate]).collect();

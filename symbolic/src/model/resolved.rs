@@ -1,5 +1,7 @@
 //! A model with every name resolved and every family expanded: expressions of one graph.
 
+use std::ops::Range;
+
 use super::contact::{Contact, ImpactLaw};
 use super::event::{Clock, Event, HeldValue, Noise, Set};
 use super::expression::dimension::Measure;
@@ -168,7 +170,7 @@ impl Model {
     /// The rows of the constraints that act in a phase, in order.
     pub fn rows_of(&self, phase: &Phase) -> Vec<usize> {
         let constraints = phase.constraints.iter().map(|k| &self.constraints[*k]);
-        let mut rows: Vec<usize> = constraints.flat_map(|c| c.first..c.first + c.value.len()).collect();
+        let mut rows: Vec<usize> = constraints.flat_map(Constraint::rows).collect();
         rows.sort_unstable();
         rows
     }
@@ -197,10 +199,14 @@ impl Model {
         rows
     }
 
+    /// The constraint that a row is of.
+    pub fn constraint_of_row(&self, row: usize) -> Option<&Constraint> {
+        self.constraints.iter().find(|constraint| constraint.rows().contains(&row))
+    }
+
     /// The name of a row: `rod`, or `pin.x` for a component of a vector.
     pub fn row_name(&self, row: usize) -> String {
-        let owner = self.constraints.iter().find(|c| (c.first..c.first + c.value.len()).contains(&row));
-        owner.map_or_else(String::new, |c| c.row_names().swap_remove(row - c.first))
+        self.constraint_of_row(row).map_or_else(String::new, |c| c.row_names().swap_remove(row - c.first))
     }
 
     /// The condition under which something is claimed: ` where c = 0 and k = 2`; nothing where it always holds.
@@ -399,6 +405,11 @@ pub struct Constraint {
 }
 
 impl Constraint {
+    /// Its rows among those of all constraints.
+    pub fn rows(&self) -> Range<usize> {
+        self.first..self.first + self.value.len()
+    }
+
     /// The names of its components: `rod`; `pin.x`, `pin.y`.
     pub fn row_names(&self) -> Vec<String> {
         (0..self.value.len()).map(|place| self.component(place)).collect()
@@ -632,6 +643,13 @@ pub struct Reaction {
     pub scalar: bool,
     /// True for a moment, false for a force.
     pub couple: bool,
+}
+
+impl Reaction {
+    /// The symbols of its components.
+    pub fn symbols(&self) -> impl Iterator<Item = Symbol> + use<> {
+        (self.first..self.first + self.components as u32).map(Symbol::Reaction)
+    }
 }
 
 /// One complete system of momentum balances.

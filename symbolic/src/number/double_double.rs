@@ -80,14 +80,14 @@ impl DoubleDouble {
         if self.is_nan() { self } else { f64::from(u8::from(self.hi >= 0.0)).into() }
     }
 
-    /// The smaller of two; of a NaN and a number the number, as `f64` has it.
+    /// The smaller of two; NaN where one of them is.
     pub fn min(self, other: DoubleDouble) -> DoubleDouble {
-        if self.is_nan() || other < self { other } else { self }
+        if other.is_nan() || other < self { other } else { self }
     }
 
-    /// The larger of two; of a NaN and a number the number, as `f64` has it.
+    /// The larger of two; NaN where one of them is.
     pub fn max(self, other: DoubleDouble) -> DoubleDouble {
-        if self.is_nan() || other > self { other } else { self }
+        if other.is_nan() || other > self { other } else { self }
     }
 
     /// √x; NaN below 0.

@@ -36,6 +36,50 @@ fn every_path_in_the_documents_exists() {
     assert!(named > 20, "only {named} paths were found");
 }
 
+/// A module's own words say where the rest of it is: "look in `step.rs`", "found in `modes/`", beside it.
+#[test]
+fn every_module_that_module_docs_name_exists() {
+    fn files(folder: &Path, found: &mut Vec<std::path::PathBuf>) {
+        for entry in std::fs::read_dir(folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            match path.is_dir() {
+                true => files(&path, found),
+                false if path.extension().is_some_and(|end| end == "rs") => found.push(path),
+                false => {}
+            }
+        }
+    }
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace's folder");
+    let mut all = Vec::new();
+    ["symbolic/src", "mechanism/src", "runtime/src"].iter().for_each(|folder| files(&root.join(folder), &mut all));
+    let mut named = 0;
+    for file in all {
+        let text = std::fs::read_to_string(&file).expect("a file");
+        for line in text.lines().take_while(|line| line.starts_with("//!")) {
+            let places = ["look in ", "found in "].into_iter().filter_map(|words| line.split_once(words));
+            // Links lead to items, which rustdoc looks up.
+            let names = places.flat_map(|(_, rest)| {
+                let parts: Vec<&str> = rest.split('`').collect();
+                (1..parts.len())
+                    .step_by(2)
+                    .filter(|k| !parts[k - 1].ends_with('['))
+                    .map(|k| parts[k])
+                    .collect::<Vec<_>>()
+            });
+            for name in names.filter(|name| !name.contains("::")) {
+                named += 1;
+                // With a folder it may be another one of the crate.
+                let source = file.ancestors().find(|folder| folder.ends_with("src")).expect("a crate");
+                let there = [file.with_file_name(name), source.join(name)]
+                    .into_iter()
+                    .any(|path| path.exists() || path.with_extension("rs").exists());
+                assert!(there, "{} names `{name}`, which is not there", file.display());
+            }
+        }
+    }
+    assert!(named > 20, "only {named} modules were found");
+}
+
 #[test]
 fn every_generated_page_names_the_example_that_prints_it() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace's folder");

@@ -134,6 +134,10 @@ fn typed_pendulum_goes_by_a_system_of_its_choice() {
     assert!(report.contains("balances `b_along_the_path`, condition number at most 1.0e0"), "{report}");
     let lagrange = pendulum.simulate().derivation("b_along_the_path").derivation("lagrange").until(1.0).run();
     assert!(!lagrange.expect("a run").trust().to_string().contains("derivation"));
+    // Lagrange's equations are none of the systems there are.
+    let error =
+        pendulum.balances_at("lagrange", 0.0, &[0.3], &[2.0]).expect_err("not a system of balances").to_string();
+    assert!(error.contains("no system of balances is called `lagrange`; there are `a_components`"), "{error}");
     let error = pendulum.simulate().derivation("h_hamilton").run().expect_err("there is no such system");
     assert!(
         error.to_string().contains("no system of balances is called `h_hamilton`; there are `a_components`"),

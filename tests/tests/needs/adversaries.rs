@@ -193,3 +193,19 @@ scene: {until: 5, tolerance: 1e-8}
     assert!(gone < 2 && choice.verified <= 1e-3, "{}", needs.table());
     holds(pointer, &needs);
 }
+
+/// What cannot be written into the file is told as that, not as a name that is none.
+#[test]
+fn what_cannot_be_written_is_told() {
+    let text = "name: Mass\nparameters: {m: 1 kg}\ncoordinates: {x: m}\nbodies: {b: {mass: m, position: \"[x, 0]\"}}\n";
+    let refused = |asked: Result<NeedsRequest, NeedsError>| asked.expect_err("a refusal").to_string();
+    let none = "the file has no `scene` in lines or brackets, into which another value could be written";
+    assert_eq!(refused(NeedsRequest::new(text).ending("3 s")), none);
+    assert_eq!(refused(NeedsRequest::new(text).starting("x", "0.3 m")), none);
+    let named = NeedsRequest { scene: Some("far".to_owned()), ..NeedsRequest::new(text) };
+    assert_eq!(refused(named.ending("3 s")), "no scene is called `far`; there is none");
+    assert_eq!(refused(NeedsRequest::new(text).starting("y", "0.3 m")), "no coordinate is called `y`; there are x");
+    let family = text.replace("{x: m}", "{\"x[1..2]\": m}").replace("x, 0", "x[1], x[2]");
+    let member = refused(NeedsRequest::new(family).starting("x[2]", "0.3 m"));
+    assert!(member.contains("no `x[2]` in lines or brackets"), "{member}");
+}

@@ -95,8 +95,8 @@ pub fn fmu(fmi: Fmi, program: &Program, code: &CText, start: &Start) -> Result<F
 fn refuse(program: &Program) -> Result<(), Problem> {
     let model = &program.model;
     if let Some(contact) = model.contacts.first() {
-        return Err(Problem::Usage(format!(
-            "error: `{}`: what contacts and friction that sticks do together is decided by a run of this program, not by an FMU; write \
+        return Err(Problem::usage(format!(
+            "`{}`: what contacts and friction that sticks do together is decided by a run of this program, not by an FMU; write \
              its `phases` and `events` out, or take the equations with export --c",
             contact.name
         )));
@@ -104,8 +104,8 @@ fn refuse(program: &Program) -> Result<(), Problem> {
     let sharp = program.switches.iter().any(|switch| switch.of_input);
     let jump = program.jumps.iter().position(|jump| *jump != InputJump::Force);
     if let Some(input) = jump.filter(|_| sharp) {
-        return Err(Problem::Usage(format!(
-            "error: `{}` may jump or turn sharply, and its rates stand in the equations: such impulses are part of a run of this \
+        return Err(Problem::usage(format!(
+            "`{}` may jump or turn sharply, and its rates stand in the equations: such impulses are part of a run of this \
              program, not of an FMU; write a smooth input",
             model.inputs[input].name
         )));

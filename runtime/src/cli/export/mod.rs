@@ -33,9 +33,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     }
     if let Some(path) = options.get_one::<String>("fmu") {
         if options.contains_id("input") {
-            return Err(Problem::Usage(
-                "error: --input: inputs of an FMU are set by the program that runs it".to_owned(),
-            ));
+            return Err(Problem::usage("--input: inputs of an FMU are set by the program that runs it"));
         }
         outputs::ends_in(path, &["fmu"])?;
         let start = start(&mut loaded, options)?;

@@ -39,14 +39,14 @@ pub fn run(options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let from = options.get_one::<String>("robot").map_or("", String::as_str);
     let bytes = std::fs::read(from).map_err(|problem| Problem::File(format!("cannot read {from}: {problem}")))?;
     let text = String::from_utf8(bytes)
-        .map_err(|_| Problem::Usage(format!("error: {from} is not UTF-8; `iconv -t UTF-8 {from}` makes it so")))?;
+        .map_err(|_| Problem::usage(format!("{from} is not UTF-8; `iconv -t UTF-8 {from}` makes it so")))?;
     let name =
         Path::new(from).file_stem().map_or_else(|| "robot".to_owned(), |stem| stem.to_string_lossy().into_owned());
     let chosen = options.get_one::<String>("output");
     let path = chosen.cloned().unwrap_or_else(|| format!("{name}.yaml"));
     outputs::ends_in(&path, &["yaml", "yml"])?;
     if chosen.is_none() && Path::new(&path).exists() {
-        return Err(Problem::Usage(format!("error: {path} exists already; say where with `-o FILE.yaml`")));
+        return Err(Problem::usage(format!("{path} exists already; say where with `-o FILE.yaml`")));
     }
     let shown = Path::new(from).file_name().map_or_else(|| from.to_owned(), |file| file.to_string_lossy().into_owned());
     let written = model_file(&text, &shown, options.get_flag("floating"))

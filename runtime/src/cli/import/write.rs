@@ -10,6 +10,7 @@ use super::problems::shown;
 use super::robot::{Inertial, Joint, Kind, Limits};
 use super::text::{self, number};
 use super::{balances, drawn};
+use crate::numbers::counted;
 
 /// The whole file; `from` is the name of the robot's file.
 pub fn file(plan: &mut Plan<'_>, from: &str) -> String {
@@ -29,10 +30,6 @@ pub fn file(plan: &mut Plan<'_>, from: &str) -> String {
     drawn::write(plan, &mut out);
     scene(plan, &mut out);
     out
-}
-
-fn counted(n: usize, word: &str) -> String {
-    format!("{n} {word}{}", if n == 1 { "" } else { "s" })
 }
 
 fn head(plan: &Plan<'_>, from: &str) -> String {

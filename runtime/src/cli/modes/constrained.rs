@@ -86,8 +86,8 @@ pub fn run(
             | LinearError::FrictionOfReactions),
         ) => {
             if options.contains_id("motion") {
-                let words = format!("error: --motion: {why}; `simulate` computes the motion itself");
-                return Err(Problem::Usage(words));
+                let words = format!("--motion: {why}; `simulate` computes the motion itself");
+                return Err(Problem::usage(words));
             }
             return by_departures(loaded, options, reader, speeds, place, &names, out);
         }
@@ -158,8 +158,8 @@ fn by_departures(
     out: &mut dyn Write,
 ) -> Result<(), Problem> {
     if let Some(option) = ["plot", "animate", "mode"].iter().find(|option| options.contains_id(option)) {
-        let words = format!("error: --{option} draws modes of oscillation; here there are eigenvalues only");
-        return Err(Problem::Usage(words));
+        let words = format!("--{option} draws modes of oscillation; here there are eigenvalues only");
+        return Err(Problem::usage(words));
     }
     let system = &*loaded.system;
     let found = linearise_tangent(system, guess, *here).map_err(failed)?;
@@ -169,17 +169,17 @@ fn by_departures(
         None => None,
         Some(option) if found.equilibrium.v.iter().any(|v| *v != 0.0) => {
             let words = format!(
-                "error: --{option}: where constraints contain speeds without known integrals, what drives is there for motions about rest, and \
+                "--{option}: where constraints contain speeds without known integrals, what drives is there for motions about rest, and \
                  this one goes on steadily"
             );
-            return Err(Problem::Usage(words));
+            return Err(Problem::usage(words));
         }
         Some(option) => match linearise_driven(system, &found.equilibrium.guess()) {
             Err(LinearError::FrictionOfReactions) => {
                 let words = format!(
-                    "error: --{option} is not there where forces are made of reactions, as friction is: they follow what the constraints carry"
+                    "--{option} is not there where forces are made of reactions, as friction is: they follow what the constraints carry"
                 );
-                return Err(Problem::Usage(words));
+                return Err(Problem::usage(words));
             }
             found => Some(found.map_err(failed)?),
         },

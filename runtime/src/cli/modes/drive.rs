@@ -17,6 +17,7 @@ use super::failed;
 use super::model::Model;
 use super::shaken::{Shaken, named};
 use crate::linear::{Linearised, Mode, Peak, Response, Steady, short, short_beside, short_within, turned};
+use crate::numbers::spaced;
 
 /// Below this part of its static stiffness a coordinate by itself is near resonance.
 const NEAR_RESONANCE: f64 = 0.3;
@@ -58,7 +59,7 @@ impl Driven {
         let responds = bode_file.is_some() || range.is_some() || answers.is_some();
         if omega.is_none() && !responds {
             return match options.contains_id("drive") {
-                true => Err(Problem::Usage("error: --drive wants --omega, --bode or --range beside it".to_owned())),
+                true => Err(Problem::usage("--drive wants --omega, --bode or --range beside it")),
                 false => Ok(None),
             };
         }
@@ -82,7 +83,7 @@ impl Driven {
         if let Some(text) = omega {
             let omega = reader.value(loaded, "omega", Sets::Frequency, text)?;
             if omega < 0.0 {
-                return Err(Problem::Usage(format!("error: --omega is `{text}`; a frequency is 0 or more")));
+                return Err(Problem::usage(format!("--omega is `{text}`; a frequency is 0 or more")));
             }
             driven.steady = Some(model.steady(&drive, omega).map_err(failed)?);
             let is_coordinate = |name: &str| driven.axes.iter().any(|axis| axis.0 == name);
@@ -378,14 +379,6 @@ fn short4(x: f64) -> String {
     short(rounded)
 }
 
-/// ` m`, or nothing.
-fn spaced(unit: &str) -> String {
-    match unit {
-        "" | "1" => String::new(),
-        unit => format!(" {unit}"),
-    }
-}
-
 /// What `--drive` names: the first input if it is absent.
 fn drive(loaded: &Loaded, options: &ArgMatches, reader: &mut Reader, model: Model<'_>) -> Result<Shaken, Problem> {
     let linear = model.linear();
@@ -394,8 +387,8 @@ fn drive(loaded: &Loaded, options: &ArgMatches, reader: &mut Reader, model: Mode
     if given.is_empty() {
         let Some(input) = loaded.system.description().inputs.first() else {
             let example = linear.equilibrium.coordinates.first().map_or("", String::as_str);
-            return Err(Problem::Usage(format!(
-                "error: `{}` has no inputs; name a coordinate that a force acts on: --drive {example}",
+            return Err(Problem::usage(format!(
+                "`{}` has no inputs; name a coordinate that a force acts on: --drive {example}",
                 loaded.name
             )));
         };
@@ -438,5 +431,5 @@ fn frequencies(loaded: &Loaded, reader: &mut Reader, text: &str) -> Result<(f64,
     if low > 0.0 && high > low {
         return Ok((low, high));
     }
-    Err(Problem::Usage(format!("error: --range is `{text}`; frequencies go from more than 0 upwards")))
+    Err(Problem::usage(format!("--range is `{text}`; frequencies go from more than 0 upwards")))
 }

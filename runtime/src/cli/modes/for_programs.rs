@@ -107,7 +107,7 @@ fn of_first_order(
 /// Small departures from a motion, at an instant of it.
 fn departures(context: Context<'_>, options: &ArgMatches) -> Result<Value, Problem> {
     let departures = instant::departures(context, options)?;
-    let mut reader = Reader::new(&departures.loaded);
+    let mut reader = Reader::default();
     let names: Vec<String> = departures.loaded.system.description().inputs.iter().map(ToString::to_string).collect();
     let unit = |name: &String| input_unit(&departures.loaded, &mut reader, name);
     let units = names.iter().map(unit).collect::<Result<Vec<_>, _>>()?;

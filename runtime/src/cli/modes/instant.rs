@@ -75,8 +75,8 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
 pub fn departures(context: Context<'_>, options: &ArgMatches) -> Result<Departures, Problem> {
     let given = |option: &&&str| options.value_source(option) == Some(ValueSource::CommandLine);
     if let Some(option) = OF_REST.iter().find(given) {
-        return Err(Problem::Usage(format!(
-            "error: --{option} is about a rest; with --at-time departures are from a motion, which goes on"
+        return Err(Problem::usage(format!(
+            "--{option} is about a rest; with --at-time departures are from a motion, which goes on"
         )));
     }
     let mut loaded = Loaded::find(context, options)?;
@@ -86,8 +86,8 @@ pub fn departures(context: Context<'_>, options: &ArgMatches) -> Result<Departur
     let time = reader.value(&loaded, "at-time", Sets::Time, text)?;
     let settings = Settings::of_scene(&*loaded.system, scene);
     if time < settings.from {
-        let words = format!("error: --at-time: the motion begins at t = {} s", short(settings.from));
-        return Err(Problem::Usage(words));
+        let words = format!("--at-time: the motion begins at t = {} s", short(settings.from));
+        return Err(Problem::usage(words));
     }
     let settings = Settings { until: time, apart: false, every: None, ..settings };
     let run = simulate(&mut *loaded.system, &settings).map_err(|error| Problem::Run(error.to_string()))?;

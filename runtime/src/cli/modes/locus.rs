@@ -42,12 +42,12 @@ impl Locus {
         let mut given = pairs(options, "vary")?.into_iter();
         let Some((parameter, text)) = given.next() else {
             return match options.contains_id("locus") {
-                true => Err(Problem::Usage("error: --locus wants --vary NAME=A..B beside it".to_owned())),
+                true => Err(Problem::usage("--locus wants --vary NAME=A..B beside it")),
                 false => Ok(None),
             };
         };
         if given.next().is_some() {
-            return Err(Problem::Usage("error: --vary takes one parameter or speed".to_owned()));
+            return Err(Problem::usage("--vary takes one parameter or speed"));
         }
         let (varied, unit, sets) = speeds.varied(loaded, reader, &parameter)?;
         let range = super::range(loaded, reader, "vary", sets, &text)?;
@@ -275,13 +275,13 @@ fn orders(options: &ArgMatches, parameter: &str, unit: &str) -> Result<Vec<f64>,
         return Ok(if turns { vec![1.0, 2.0] } else { Vec::new() });
     };
     if !turns && !matches!(unit, "" | "1") {
-        return Err(Problem::Usage(format!(
-            "error: --orders: `{parameter}` has the unit {unit}; orders are multiples of a speed of rotation in rad/s"
+        return Err(Problem::usage(format!(
+            "--orders: `{parameter}` has the unit {unit}; orders are multiples of a speed of rotation in rad/s"
         )));
     }
     let order = |text: &str| match text.trim().parse::<f64>() {
         Ok(order) if order > 0.0 && order.is_finite() => Ok(order),
-        _ => Err(Problem::Usage(format!("error: --orders: `{}` is no positive number", text.trim()))),
+        _ => Err(Problem::usage(format!("--orders: `{}` is no positive number", text.trim()))),
     };
     text.split(',').map(order).collect()
 }

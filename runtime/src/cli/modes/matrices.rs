@@ -6,7 +6,8 @@ use std::path::Path;
 use nalgebra::DMatrix;
 
 use super::super::Problem;
-use super::{failed, write_file};
+use super::super::outputs;
+use super::failed;
 use crate::linear::Linearised;
 
 /// Writes `NAME-M.EXT` and so on beside each other: Matrix Market where EXT is `mtx`, else a table without a head.
@@ -23,7 +24,7 @@ pub fn write(path: &str, linear: &Linearised) -> Result<(), Problem> {
     for (name, matrix) in matrices {
         let words = format!("{name} of {}", meaning(name, linear));
         let text = if market { matrix_market(&matrix, &words) } else { table(&matrix) };
-        write_file(&place(path, name), text)?;
+        outputs::write(&place(path, name), text)?;
     }
     Ok(())
 }

@@ -271,9 +271,9 @@ fn enter_phase(loaded: &mut Loaded, scene: usize, options: &ArgMatches) -> Resul
         Some(phase) => loaded.system.set_phase(phase),
         None => {
             let known: Vec<&str> = phases.iter().map(|phase| &*phase.name).filter(|name| !name.is_empty()).collect();
-            return Err(Problem::Usage(match known.is_empty() {
-                true => format!("error: --phase: `{}` has no phases", loaded.name),
-                false => format!("error: no phase `{name}`; there are {}", known.join(", ")),
+            return Err(Problem::usage(match known.is_empty() {
+                true => format!("--phase: `{}` has no phases", loaded.name),
+                false => format!("no phase `{name}`; there are {}", known.join(", ")),
             }));
         }
     }
@@ -290,19 +290,15 @@ fn failed(error: LinearError) -> Problem {
     Problem::Run(format!("{error}{hint}"))
 }
 
-fn write_file(path: &str, text: String) -> Result<(), Problem> {
-    std::fs::write(path, text).map_err(|problem| Problem::File(format!("cannot write `{path}`: {problem}")))
-}
-
 /// `A..B`, both expressions of the model language.
 fn range(loaded: &Loaded, reader: &mut Reader, option: &str, sets: Sets, text: &str) -> Result<(f64, f64), Problem> {
     let Some((from, to)) = text.split_once("..") else {
-        return Err(Problem::Usage(format!("error: --{option} wants a range A..B, not `{text}`")));
+        return Err(Problem::usage(format!("--{option} wants a range A..B, not `{text}`")));
     };
     let from = with_unit_of(from, to);
     let (from, to) = (reader.value(loaded, option, sets, &from)?, reader.value(loaded, option, sets, to)?);
     if from == to {
-        return Err(Problem::Usage(format!("error: --{option}: the range `{text}` has no width")));
+        return Err(Problem::usage(format!("--{option}: the range `{text}` has no width")));
     }
     Ok((from, to))
 }
@@ -338,7 +334,7 @@ fn pictures(
         Some(text) => match text.trim().parse::<usize>() {
             Ok(number) if (1..=modes.len()).contains(&number) => number - 1,
             _ => {
-                return Err(Problem::Usage(format!("error: --mode is `{text}`; there are modes 1 to {}", modes.len())));
+                return Err(Problem::usage(format!("--mode is `{text}`; there are modes 1 to {}", modes.len())));
             }
         },
     };

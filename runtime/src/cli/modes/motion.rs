@@ -13,8 +13,8 @@ use super::damping::Damping;
 use super::failed;
 use super::model::Model;
 use crate::linear::{Linearised, Motion, SparseMatrix, short};
-use crate::mechanism::At;
 use crate::mechanism::dense::constraint_triples;
+use crate::mechanism::{At, rows_in_force};
 use crate::show::{Axis, Chart, Figure, Series, Style};
 use crate::{Settings, simulate};
 
@@ -47,21 +47,21 @@ impl Compared {
         let linear = model.linear();
         if linear.len() > MOST_COORDINATES {
             let text = format!("--motion is for up to {MOST_COORDINATES} coordinates; here are {}", linear.len());
-            return Err(Problem::Usage(format!("error: {text}")));
+            return Err(Problem::usage(text));
         }
         let start = loaded.system.scene(scene);
         if let Some(phase) = options.get_one::<String>("phase")
             && loaded.system.description().phases.get(start.phase).is_some_and(|own| own.name != *phase)
         {
-            let words = format!("error: --motion: the scene does not start in the phase `{phase}`; leave out --phase");
-            return Err(Problem::Usage(words));
+            let words = format!("--motion: the scene does not start in the phase `{phase}`; leave out --phase");
+            return Err(Problem::usage(words));
         }
         let times: Vec<f64> = (0..=POINTS).map(|i| start.until * f64::from(i) / f64::from(POINTS)).collect();
         let integrated = integrated(loaded, scene, linear, &times)?;
         same_integrals(loaded, linear, &integrated)?;
         let [x0, v0] = model.departures(&integrated);
         if x0.iter().chain(&v0).all(|x| *x == 0.0) {
-            return Err(Problem::Usage("error: --motion: the scene starts at rest in the equilibrium".to_owned()));
+            return Err(Problem::usage("--motion: the scene starts at rest in the equilibrium"));
         }
         let free = |linear: &Linearised| {
             linear.free_motion(&x0, &v0, &times).map(|motion| model.in_all_coordinates(motion)).map_err(failed)
@@ -110,13 +110,12 @@ fn same_integrals(loaded: &Loaded, linear: &Linearised, motion: &Motion) -> Resu
     let start: Vec<f64> = at.q.iter().zip(motion.x.row(0).iter()).map(|(q, x)| q + x).collect();
     let zero = vec![0.0; start.len()];
     let [there, here] = [&start, &at.q].map(|q| constraint_triples(&*loaded.system, At::new(0.0, q, &zero)));
-    let rows =
-        loaded.system.active_rows().iter().map(|row| *row as usize).filter(|row| description.rows[*row].integral);
+    let rows = rows_in_force(&*loaded.system).filter(|row| description.rows[*row].integral);
     let terms = |row: usize| there[row][2].max(here[row][2]);
     match rows.into_iter().find(|row| (there[*row][0] - here[*row][0]).abs() > INTEGRAL * terms(*row)) {
         None => Ok(()),
-        Some(row) => Err(Problem::Usage(format!(
-            "error: --motion: the scene starts with another value of the integral of `{}` than the equilibrium has, which the motion \
+        Some(row) => Err(Problem::usage(format!(
+            "--motion: the scene starts with another value of the integral of `{}` than the equilibrium has, which the motion \
              keeps; let --at, or `equilibrium` in the file, begin where the scene starts",
             description.rows[row].name
         ))),

@@ -4,6 +4,7 @@ use std::io::Write;
 
 use clap::ArgMatches;
 use clap::parser::ValueSource;
+use dalembert_symbolic::diagnose::quoted;
 use dalembert_symbolic::expr::Symbol;
 use nalgebra::{Complex, DMatrix};
 use serde_json::{Value, json};
@@ -13,15 +14,15 @@ use super::super::load::{Loaded, pairs};
 use super::super::{Problem, json};
 use super::states::OF_MODES;
 use super::{MOST_PRINTED, failed};
-use crate::linear::{Guess, SampledLoop, linearise_sampled, short};
-use crate::mechanism::{System, Text, is_of_noise};
+use crate::linear::{Guess, SampledLoop, linearise_sampled, periods, short};
+use crate::mechanism::{System, Text};
 
 /// Finds the rest of the loop and its map, and prints the eigenvalues.
 pub fn run(loaded: &Loaded, options: &ArgMatches, guess: Guess, out: &mut dyn Write) -> Result<(), Problem> {
     let given = |option: &&str| options.value_source(option) == Some(ValueSource::CommandLine);
     if let Some(option) = OF_MODES.into_iter().chain(["steady", "here", "state-space"]).find(given) {
-        return Err(Problem::Usage(format!(
-            "error: --{option} is for small motions that are not sampled: leave it out, or leave out --sampled for the open loop"
+        return Err(Problem::usage(format!(
+            "--{option} is for small motions that are not sampled: leave it out, or leave out --sampled for the open loop"
         )));
     }
     let system = &*loaded.system;
@@ -47,21 +48,14 @@ fn inputs(loaded: &Loaded, options: &ArgMatches, held: &[f64]) -> Result<Vec<f64
     Ok(names.iter().enumerate().map(value).collect())
 }
 
-/// The periods of all clocks that do not tick for noise alone, s.
-fn periods(system: &dyn System) -> Vec<f64> {
-    let clocks = system.clocks().into_iter().enumerate().filter(|(clock, _)| !is_of_noise(system, *clock));
-    clocks.map(|(_, [_, every])| every).collect()
-}
-
 fn table(name: &str, found: &SampledLoop, system: &dyn System, out: &mut dyn Write) -> Result<(), Problem> {
     writeln!(out, "{name}: the loop closed by ticks rests at {found}")?;
     writeln!(out, "  {:.1e} of its terms left of an equation at most", found.residual)?;
-    let list = |names: &[String]| names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
     if !found.unread.is_empty() {
-        writeln!(out, "  left out, for nothing reads it but what sets it: {}", list(&found.unread))?;
+        writeln!(out, "  left out, for nothing reads it but what sets it: {}", quoted(&found.unread))?;
     }
     if !found.frozen.is_empty() {
-        writeln!(out, "  left out, for they set something, but at no tick: the events {}", list(&found.frozen))?;
+        writeln!(out, "  left out, for they set something, but at no tick: the events {}", quoted(&found.frozen))?;
     }
     let (period, instants) = (short(found.period), found.instants);
     let s = if instants == 1 { "" } else { "s" };
@@ -121,15 +115,14 @@ fn thresholds(found: &SampledLoop, system: &dyn System, out: &mut dyn Write) -> 
     if found.critical_factor.or(found.least_factor).is_none() {
         return Ok(());
     }
-    let named = |names: &[String]| names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
     if !found.varied.is_empty() {
-        writeln!(out, "  {} varied with it", named(&found.varied))?;
+        writeln!(out, "  {} varied with it", quoted(&found.varied))?;
         return Ok(());
     }
     writeln!(out, "  nothing but the ticks varied: what the law takes for its period stays")?;
     let stays = staying(system);
     if !stays.is_empty() {
-        writeln!(out, "  {} of the same value stays; `every: {}` lets it follow", named(&stays), stays[0])?;
+        writeln!(out, "  {} of the same value stays; `every: {}` lets it follow", quoted(&stays), stays[0])?;
     }
     Ok(())
 }

@@ -8,12 +8,12 @@ use clap::ArgMatches;
 use nalgebra::DMatrix;
 use serde_json::{Value, json};
 
-use super::super::Problem;
 use super::super::json::number;
 use super::super::load::Loaded;
 use super::super::npz::{self, Archive};
 use super::super::plotted::{listed, parts};
 use super::super::set_up::Reader;
+use super::super::{Problem, outputs};
 use super::failed;
 use super::model::Model;
 use super::shaken::{Shaken, named};
@@ -145,7 +145,7 @@ pub fn write(
         "csv" => table(found).into_bytes(),
         _ => (serde_json::to_string_pretty(&as_json(name, found, [])).unwrap_or_default() + "\n").into_bytes(),
     };
-    std::fs::write(path, bytes).map_err(|problem| Problem::File(format!("cannot write `{path}`: {problem}")))?;
+    outputs::write(path, bytes)?;
     if options.get_flag("json") {
         return Ok(());
     }

@@ -33,17 +33,16 @@ pub fn run(
 ) -> Result<(), Problem> {
     let given = |option: &&&str| options.value_source(option) == Some(ValueSource::CommandLine);
     if let Some(option) = OF_MODES.iter().find(given) {
-        return Err(Problem::Usage(format!(
-            "error: --{option} is for models without states of first order: it works on M, C and K. \
+        return Err(Problem::usage(format!(
+            "--{option} is for models without states of first order: it works on M, C and K. \
              `modes` prints A and B here, and --json has all of their digits; `simulate` computes the motion itself"
         )));
     }
     let system = &*loaded.system;
     if !system.active_rows().is_empty() || !system.description().rotations.is_empty() {
-        return Err(Problem::Usage(
-            "error: small motions of models that have both states of first order and constraints or rotations are not known; \
-             write the mechanism in independent coordinates, or follow a small departure by `simulate`"
-                .to_owned(),
+        return Err(Problem::usage(
+            "small motions of models that have both states of first order and constraints or rotations are not known; \
+             write the mechanism in independent coordinates, or follow a small departure by `simulate`",
         ));
     }
     let found = linearise_states(system, guess, *here).map_err(failed)?;

@@ -92,8 +92,8 @@ fn going(loaded: &Loaded, guess: &Guess, start: &[f64]) -> Result<Vec<usize>, Pr
         let alone = lone_steady_coordinates(&*loaded.system, guess).map_err(failed)?;
         return match alone.is_empty() {
             false => Ok(alone),
-            true => Err(Problem::Usage(format!(
-                "error: --steady: `{}` has no coordinate on whose value nothing depends; describe what turns by an angle on which nothing depends",
+            true => Err(Problem::usage(format!(
+                "--steady: `{}` has no coordinate on whose value nothing depends; describe what turns by an angle on which nothing depends",
                 loaded.name
             ))),
         };
@@ -107,16 +107,16 @@ fn going(loaded: &Loaded, guess: &Guess, start: &[f64]) -> Result<Vec<usize>, Pr
     if let Some(turns) = firsts.into_iter().find(|first| !still(*first) && !going.is_empty()) {
         let name = loaded.system.description().coordinate_name(turns);
         let name = name.trim_end_matches(".w");
-        return Err(Problem::Usage(format!(
-            "error: --steady: the rotation `{name}` turns at the start, and its four numbers have no constant rates; describe the turn that \
+        return Err(Problem::usage(format!(
+            "--steady: the rotation `{name}` turns at the start, and its four numbers have no constant rates; describe the turn that \
              goes on by an angle on which nothing depends, before the others: `rotate: [[z, spin], [x, a], [y, b]]` for a turn about z, with \
              `spin'` at the start"
         )));
     }
     match going.is_empty() {
         false => Ok(going),
-        true => Err(Problem::Usage(format!(
-            "error: --steady: in `{}` the equations or the constraints depend on the value of every coordinate, so that none can go \
+        true => Err(Problem::usage(format!(
+            "--steady: in `{}` the equations or the constraints depend on the value of every coordinate, so that none can go \
              on at a constant rate; describe what turns by an angle on which nothing depends, as in `[r*cos(phi), r*sin(phi)]` with \
              the constraint `r - l`, not by its x and y",
             loaded.name

@@ -13,6 +13,7 @@ use super::super::plotted::parts;
 use super::super::set_up::{Place, Reader, parameter_index, place_in_state, unknown};
 use super::failed;
 use crate::linear::{Guess, TrimmedValue, Unknown, trim_steady};
+use crate::numbers::spaced;
 
 /// So many digits of a value are printed at most.
 const DIGITS: f64 = 12.0;
@@ -62,7 +63,7 @@ impl Trim {
         writeln!(out, "{name}: trimmed with {} held", held.join(", "))?;
         for (found, unit) in &self.found {
             let TrimmedValue { name, from, value, uncertainty, .. } = found;
-            let unit = if matches!(unit.as_str(), "" | "1") { String::new() } else { format!(" {unit}") };
+            let unit = spaced(unit);
             let (value, from) = (digits(*value, *uncertainty), digits(*from, 0.0));
             writeln!(out, "  {name} = {value}{unit}, sought from {from}")?;
         }
@@ -109,13 +110,11 @@ fn holds(
             Place::Coordinate(i) => (i, Sets::Coordinate(i), &mut guess.q),
             Place::Speed(i) if hidden(i) => (i, Sets::Speed(i), &mut guess.v),
             Place::Speed(_) => {
-                return Err(Problem::Usage(format!(
-                    "error: --hold is for places, and `{name}` is a rate; at rest all are 0"
-                )));
+                return Err(Problem::usage(format!("--hold is for places, and `{name}` is a rate; at rest all are 0")));
             }
         };
         if held.iter().any(|(known, _)| *known == place) {
-            return Err(Problem::Usage(format!("error: --hold gives `{name}` twice")));
+            return Err(Problem::usage(format!("--hold gives `{name}` twice")));
         }
         if let Some(value) = value {
             list[place] = reader.value(loaded, "hold", sets, value)?;
@@ -138,7 +137,7 @@ fn unknowns(
             text.split_once('=').map_or((text.trim(), None), |(name, value)| (name.trim(), Some(value)));
         let (found, sets) = named(loaded, name)?;
         if unknowns.contains(&found) {
-            return Err(Problem::Usage(format!("error: --solve gives `{name}` twice")));
+            return Err(Problem::usage(format!("--solve gives `{name}` twice")));
         }
         if let Some(value) = value {
             let value = reader.value(loaded, "solve", sets, value)?;

@@ -6,7 +6,7 @@ use std::path::Path;
 use clap::ArgMatches;
 use dalembert_symbolic::print::fnv1a;
 
-use super::points::{Points, usage};
+use super::points::Points;
 use crate::cli::Problem;
 use crate::cli::load::{Loaded, pairs};
 use crate::cli::outputs;
@@ -112,7 +112,7 @@ impl Experiment {
             true => Ok(()),
             false => {
                 let list = differences.join("\n");
-                Err(usage(format!("{own} and {name} are not of one sweep; these differ:\n{list}")))
+                Err(Problem::usage(format!("{own} and {name} are not of one sweep; these differ:\n{list}")))
             }
         }
     }
@@ -121,7 +121,7 @@ impl Experiment {
     pub fn refuse_other_model(&self, loaded: &Loaded) -> Result<(), Problem> {
         match self.0.get(MODEL) {
             Some(hash) if *hash == hash_of(&loaded.source) => Ok(()),
-            _ => Err(usage(format!(
+            _ => Err(Problem::usage(format!(
                 "these tables are not of {}, or its file has changed since they were made",
                 loaded.path
             ))),
@@ -131,7 +131,7 @@ impl Experiment {
     /// How many runs all parts have together.
     pub fn runs(&self, table: &str) -> Result<usize, Problem> {
         let count = self.0.get(RUNS).and_then(|count| count.parse().ok());
-        count.ok_or_else(|| usage(format!("{} does not say how many `{RUNS}` there are", path(table))))
+        count.ok_or_else(|| Problem::usage(format!("{} does not say how many `{RUNS}` there are", path(table))))
     }
 
     /// The same of all runs.

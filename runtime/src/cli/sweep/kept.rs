@@ -5,7 +5,6 @@ use std::io::{Seek, SeekFrom, Write};
 use std::sync::Mutex;
 
 use super::experiment::{Experiment, is_kept};
-use super::points::usage;
 use super::table::{Row, Table};
 use crate::cli::Problem;
 
@@ -23,7 +22,7 @@ impl<'a> Kept<'a> {
     pub fn begin(path: &'a str, names: &[String], experiment: &Experiment, resume: bool) -> Result<Self, Problem> {
         if !is_kept(path) {
             return match resume {
-                true => Err(usage(format!("--resume continues the table of a file, and {path} is none"))),
+                true => Err(Problem::usage(format!("--resume continues the table of a file, and {path} is none"))),
                 false => Ok(Kept { path, done: Vec::new(), file: None }),
             };
         }
@@ -34,7 +33,7 @@ impl<'a> Kept<'a> {
         if let Some((table, complete)) = begun {
             Experiment::beside(path)?.refuse_other_part(path, experiment, "this command")?;
             if table.names != names {
-                return Err(usage(format!("{path} is not of this sweep: its columns differ")));
+                return Err(Problem::usage(format!("{path} is not of this sweep: its columns differ")));
             }
             file.set_len(complete).and_then(|()| file.seek(SeekFrom::End(0))).map_err(unwritten)?;
             return Ok(Kept { path, done: table.rows, file: Some(Mutex::new(file)) });

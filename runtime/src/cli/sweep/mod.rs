@@ -15,7 +15,7 @@ use clap::ArgMatches;
 
 use experiment::Experiment;
 use kept::Kept;
-use points::{Points, Varied, usage};
+use points::{Points, Varied};
 use serde_json::{Value, json};
 use table::{Row, Table, results};
 
@@ -97,7 +97,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
 /// Writes the table as NumPy's arrays.
 fn write_arrays(path: &str, table: &Table) -> Result<(), Problem> {
     let bytes = table.to_npz().ok_or_else(|| Problem::File(npz::too_large(path)))?;
-    std::fs::write(path, bytes).map_err(|problem| Problem::File(format!("cannot write `{path}`: {problem}")))
+    outputs::write(path, bytes)
 }
 
 /// All rows of the table, those that failed with why.
@@ -133,7 +133,7 @@ fn put_together(
     experiment.refuse_other_model(loaded)?;
     let varied = table.names.len().saturating_sub(results.len() + 2);
     if varied == 0 || table.names[1 + varied..].iter().ne(results.iter().chain(&["error".to_owned()])) {
-        return Err(usage(format!("these tables are not of {}: their columns differ", loaded.name)));
+        return Err(Problem::usage(format!("these tables are not of {}: their columns differ", loaded.name)));
     }
     kept::replace(path, &table, &experiment)?;
     Ok(table)
@@ -166,7 +166,7 @@ fn log_axes(options: &ArgMatches) -> Result<[bool; 2], Problem> {
         ["x"] => Ok([true, false]),
         ["y"] => Ok([false, true]),
         ["x", "y"] | ["y", "x"] => Ok([true, true]),
-        _ => Err(usage(format!("--log wants x, y or x,y, not `{text}`"))),
+        _ => Err(Problem::usage(format!("--log wants x, y or x,y, not `{text}`"))),
     }
 }
 
@@ -175,7 +175,7 @@ fn wanted_modes(options: &ArgMatches) -> Result<usize, Problem> {
     let Some(text) = options.get_one::<String>("modes") else { return Ok(0) };
     match text.trim().parse() {
         Ok(count @ 1..=MOST_MODES) => Ok(count),
-        _ => Err(usage(format!("--modes wants a number from 1 to {MOST_MODES}, not `{text}`"))),
+        _ => Err(Problem::usage(format!("--modes wants a number from 1 to {MOST_MODES}, not `{text}`"))),
     }
 }
 
@@ -191,7 +191,7 @@ fn compute(
     let changes = Changes::read(loaded, &mut reader, options)?;
     let points = Points::read(loaded, &mut reader, options)?;
     let method = options.get_one::<String>("method").map(|text| text.parse::<Method>());
-    let method = method.transpose().map_err(|e| usage(e.to_string()))?;
+    let method = method.transpose().map_err(Problem::usage)?;
     let threads = threads(options)?;
     let (shard, shards) = shard(options)?;
     let experiment = Experiment::of(loaded, &mut reader, options, scene, &points)?;
@@ -296,7 +296,7 @@ fn threads(options: &ArgMatches) -> Result<Option<usize>, Problem> {
     let Some(text) = options.get_one::<String>("threads") else { return Ok(None) };
     match text.trim().parse::<usize>() {
         Ok(threads @ 1..=4096) => Ok(Some(threads)),
-        _ => Err(usage(format!("--threads wants a number from 1 to 4096, not `{text}`"))),
+        _ => Err(Problem::usage(format!("--threads wants a number from 1 to 4096, not `{text}`"))),
     }
 }
 
@@ -306,7 +306,7 @@ fn shard(options: &ArgMatches) -> Result<(usize, usize), Problem> {
     let parts = text.split_once('/').and_then(|(part, of)| Some((part.trim().parse().ok()?, of.trim().parse().ok()?)));
     match parts {
         Some((part, of)) if (1..=of).contains(&part) => Ok((part - 1, of)),
-        _ => Err(usage(format!("--shard wants I/N, the part I of N, not `{text}`"))),
+        _ => Err(Problem::usage(format!("--shard wants I/N, the part I of N, not `{text}`"))),
     }
 }
 

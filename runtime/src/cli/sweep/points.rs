@@ -54,13 +54,13 @@ impl Points {
             (true, Some(path)) => Points::list(loaded, path)?,
             _ => {
                 let wanted = "a sweep wants --vary NAME=A..B:COUNT, --seeds A..B, or --points FILE.csv";
-                return Err(usage(wanted.to_owned()));
+                return Err(Problem::usage(wanted));
             }
         };
         let mut names: Vec<&str> = points.varied.iter().map(|varied| varied.name.as_str()).collect();
         names.sort_unstable();
         match names.windows(2).find(|pair| pair[0] == pair[1]) {
-            Some(pair) => Err(usage(format!("`{}` is varied twice", pair[0]))),
+            Some(pair) => Err(Problem::usage(format!("`{}` is varied twice", pair[0]))),
             None => Ok(points),
         }
     }
@@ -83,7 +83,7 @@ impl Points {
         }
         if let Some(text) = seeds {
             if loaded.system.held_noise().iter().all(|noise| noise.seed.is_none()) {
-                return Err(usage(format!("--seeds: {} has no noise with a seed of its own", loaded.name)));
+                return Err(Problem::usage(format!("--seeds: {} has no noise with a seed of its own", loaded.name)));
             }
             let list = whole_numbers(text)?;
             count = count.saturating_mul(list.len());
@@ -91,7 +91,7 @@ impl Points {
             lists.push(list);
         }
         if count > MOST {
-            return Err(usage(format!("--vary asks for more than {MOST} runs")));
+            return Err(Problem::usage(format!("--vary asks for more than {MOST} runs")));
         }
         Ok(Points { varied, values: Values::Grid(lists) })
     }
@@ -109,12 +109,12 @@ impl Points {
             let record = record.map_err(|e| unread(&e))?;
             let read = |text: &str| match text.parse::<f64>() {
                 Ok(number) if number.is_finite() => Ok(number),
-                _ => Err(usage(format!("{path}, line {}: `{text}` is no number", place + 2))),
+                _ => Err(Problem::usage(format!("{path}, line {}: `{text}` is no number", place + 2))),
             };
             rows.push(record.iter().map(read).collect::<Result<Vec<_>, _>>()?);
         }
         if rows.is_empty() || rows.len() > MOST {
-            return Err(usage(format!("{path} has {} runs; there may be 1 to {MOST}", rows.len())));
+            return Err(Problem::usage(format!("{path} has {} runs; there may be 1 to {MOST}", rows.len())));
         }
         Ok(Points { varied, values: Values::List(rows) })
     }
@@ -225,7 +225,7 @@ impl Varied {
 
 /// `A..B`, or `A,B,C`.
 fn whole_numbers(text: &str) -> Result<Vec<f64>, Problem> {
-    let wrong = || usage(format!("--seeds wants whole numbers, A..B or A,B,C, not `{text}`"));
+    let wrong = || Problem::usage(format!("--seeds wants whole numbers, A..B or A,B,C, not `{text}`"));
     let number = |text: &str| text.trim().parse::<i32>().map_err(|_| wrong());
     match text.split_once("..") {
         Some((from, to)) => {
@@ -246,7 +246,8 @@ pub fn values(
     (option, sets): (&str, Sets),
     text: &str,
 ) -> Result<Vec<f64>, Problem> {
-    let wrong = || usage(format!("--{option} wants NAME=A..B:COUNT, NAME=A..B:COUNT:log or NAME=A,B,C, not `{text}`"));
+    let wrong =
+        || Problem::usage(format!("--{option} wants NAME=A..B:COUNT, NAME=A..B:COUNT:log or NAME=A,B,C, not `{text}`"));
     let mut value = |text: &str| reader.value(loaded, option, sets, text);
     let Some((from, rest)) = text.split_once("..") else {
         let last = text.rsplit(',').next().unwrap_or_default();
@@ -265,7 +266,7 @@ pub fn values(
         return Err(wrong());
     }
     if log && !(from > 0.0 && to > 0.0) {
-        return Err(usage(format!("--{option}: `{text}` has no logarithm at its ends")));
+        return Err(Problem::usage(format!("--{option}: `{text}` has no logarithm at its ends")));
     }
     let (a, b) = if log { (from.ln(), to.ln()) } else { (from, to) };
     let between = |k: usize| {
@@ -286,8 +287,4 @@ pub fn values(
         }
     }
     Ok(all)
-}
-
-pub fn usage(problem: String) -> Problem {
-    Problem::Usage(format!("error: {problem}"))
 }

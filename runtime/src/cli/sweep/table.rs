@@ -3,7 +3,6 @@
 use std::f64::consts::TAU;
 
 use super::experiment::Experiment;
-use super::points::usage;
 use crate::cli::Problem;
 use crate::cli::npz::Archive;
 use crate::linear::{LinearError, Mode};
@@ -145,12 +144,12 @@ impl Table {
         let mut table = csv::Reader::from_reader(text);
         let names: Vec<String> = table.headers().map_err(|e| unread(&e))?.iter().map(str::to_owned).collect();
         if names.len() < 2 || names[0] != "run" || names[names.len() - 1] != "error" {
-            return Err(usage(format!("{path} is no table of a sweep")));
+            return Err(Problem::usage(format!("{path} is no table of a sweep")));
         }
         let mut rows = Vec::new();
         for record in table.records() {
             let record = record.map_err(|e| unread(&e))?;
-            let bad = |text: &str| usage(format!("{path}: `{text}` is no number"));
+            let bad = |text: &str| Problem::usage(format!("{path}: `{text}` is no number"));
             let cell = |text: &str| match text {
                 "" => Ok(None),
                 text => text.parse().map(Some).map_err(|_| bad(text)),
@@ -166,25 +165,25 @@ impl Table {
     /// One table of the parts of a sweep, each run once and none missing, and the experiment of all.
     pub fn merge(paths: &[&str]) -> Result<(Table, Experiment), Problem> {
         let [first, others @ ..] = paths else {
-            return Err(usage("--merge wants the tables of all parts".to_owned()));
+            return Err(Problem::usage("--merge wants the tables of all parts".to_owned()));
         };
         let of = |path: &str| match Table::read(path)? {
             Some((table, _)) => Ok(table),
-            None => Err(usage(format!("{path} is no table of a sweep"))),
+            None => Err(Problem::usage(format!("{path} is no table of a sweep"))),
         };
         let (mut whole, experiment) = (of(first)?, Experiment::beside(first)?);
         for path in others {
             experiment.refuse_other(first, &Experiment::beside(path)?, path)?;
             let table = of(path)?;
             if table.names != whole.names {
-                return Err(usage(format!("{path} and {first} are not of one sweep: their columns differ")));
+                return Err(Problem::usage(format!("{path} and {first} are not of one sweep: their columns differ")));
             }
             whole.rows.extend(table.rows);
         }
         whole.sort()?;
         let missing = (0..experiment.runs(first)?).find(|run| whole.rows.get(*run).is_none_or(|row| row.run != *run));
         match missing {
-            Some(run) => Err(usage(format!(
+            Some(run) => Err(Problem::usage(format!(
                 "run {run} is missing: a part has not been given, or was interrupted, which --resume continues"
             ))),
             None => Ok((whole, experiment.whole())),
@@ -195,7 +194,7 @@ impl Table {
     pub fn sort(&mut self) -> Result<(), Problem> {
         self.rows.sort_by_key(|row| row.run);
         match self.rows.windows(2).find(|pair| pair[0].run == pair[1].run) {
-            Some(pair) => Err(usage(format!("run {} stands there twice", pair[0].run))),
+            Some(pair) => Err(Problem::usage(format!("run {} stands there twice", pair[0].run))),
             None => Ok(()),
         }
     }

@@ -16,7 +16,7 @@ use nalgebra::DMatrix;
 
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{constraint_matrix, constraint_triples, sizes_alike};
-use crate::mechanism::{At, ContactEvent, ContactMode, System};
+use crate::mechanism::{At, ContactEvent, ContactMode, System, rows_in_force};
 
 /// A gap below this part of the sum of its terms, or of what the sizes of coordinates make of it, is closed: instants at which contacts
 /// close are located to some 1e-13 of them.
@@ -168,7 +168,7 @@ impl Situation {
                 triples[row][1].abs() <= (STILL * terms(row).max(speed(row))).max(NOW * change(row))
             })
         };
-        let active: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+        let active: Vec<usize> = rows_in_force(system).collect();
         let basis = matrix.select_rows(&active).transpose();
         // J_t = Σ c_k J_k, and what of the rate no speed makes is zero in this sum, too.
         let held = |row: Option<u32>| {

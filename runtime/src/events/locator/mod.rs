@@ -519,7 +519,7 @@ impl EventLocator {
     }
 
     /// Records an event that happens where a phase begins.
-    pub fn log<S: System + ?Sized>(
+    pub fn record_one<S: System + ?Sized>(
         &mut self,
         system: &S,
         event: usize,

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::integrate::ends::Ends;
+use crate::integrate::ends::{Ends, between_ends};
 use crate::integrate::{Control, Counters, Endpoint, OneStep, SAFETY, Segment, StepFailure, Tolerance, Trial, larger};
 use crate::mechanism::{AccelerationSlopes, At, System};
 
@@ -196,21 +196,7 @@ impl OneStep for Exact {
         Counters { evaluations, ..self.counters }
     }
 
-    fn start(&self) -> Endpoint<'_> {
-        self.ends.first()
-    }
-
-    fn state_mut(&mut self) -> &mut [f64] {
-        &mut self.ends.y
-    }
-
-    fn end(&self) -> Endpoint<'_> {
-        self.ends.last()
-    }
-
-    fn end_mut(&mut self) -> &mut [f64] {
-        &mut self.ends.end
-    }
+    between_ends!();
 
     fn begin(&mut self, system: &dyn System, t: f64) -> Result<(), StepFailure> {
         self.ends.begin(system, t)?;

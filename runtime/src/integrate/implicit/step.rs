@@ -3,7 +3,7 @@
 use super::dense::Interpolation;
 use super::stages::{From, Newton, Stages};
 use super::tableau::{Tableau, sum};
-use crate::integrate::ends::Ends;
+use crate::integrate::ends::{Ends, between_ends};
 use crate::integrate::{Control, Counters, Endpoint, OneStep, Segment, StepFailure, Trial};
 use crate::mechanism::{At, System};
 
@@ -110,21 +110,7 @@ impl OneStep for Collocation {
         }
     }
 
-    fn start(&self) -> Endpoint<'_> {
-        self.ends.first()
-    }
-
-    fn state_mut(&mut self) -> &mut [f64] {
-        &mut self.ends.y
-    }
-
-    fn end(&self) -> Endpoint<'_> {
-        self.ends.last()
-    }
-
-    fn end_mut(&mut self) -> &mut [f64] {
-        &mut self.ends.end
-    }
+    between_ends!();
 
     fn begin(&mut self, system: &dyn System, t: f64) -> Result<(), StepFailure> {
         self.newton.forget();

@@ -1,7 +1,7 @@
 //! One step of a Rosenbrock method.
 
 use super::tableau::{STAGES, Tableau};
-use crate::integrate::ends::Ends;
+use crate::integrate::ends::{Ends, between_ends};
 use crate::integrate::linear::Pencil;
 use crate::integrate::{Control, Counters, Endpoint, OneStep, Segment, StepFailure, Trial};
 use crate::mechanism::{AccelerationSlopes, At, System};
@@ -126,21 +126,7 @@ impl OneStep for Rosenbrock {
         Counters { evaluations: self.counters.evaluations + self.ends.evaluations, ..self.counters }
     }
 
-    fn start(&self) -> Endpoint<'_> {
-        self.ends.first()
-    }
-
-    fn state_mut(&mut self) -> &mut [f64] {
-        &mut self.ends.y
-    }
-
-    fn end(&self) -> Endpoint<'_> {
-        self.ends.last()
-    }
-
-    fn end_mut(&mut self) -> &mut [f64] {
-        &mut self.ends.end
-    }
+    between_ends!();
 
     fn begin(&mut self, system: &dyn System, t: f64) -> Result<(), StepFailure> {
         self.known = None;

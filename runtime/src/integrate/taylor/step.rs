@@ -3,7 +3,7 @@
 use super::ORDER;
 use super::dense::nest;
 use super::expansion::{Expansion, WIDTH};
-use crate::integrate::ends::Ends;
+use crate::integrate::ends::{Ends, between_ends};
 use crate::integrate::{Control, Counters, Endpoint, OneStep, Segment, StepFailure, Tolerance, Trial};
 use crate::mechanism::{At, System};
 
@@ -101,21 +101,7 @@ impl OneStep for Taylor {
         }
     }
 
-    fn start(&self) -> Endpoint<'_> {
-        self.ends.first()
-    }
-
-    fn state_mut(&mut self) -> &mut [f64] {
-        &mut self.ends.y
-    }
-
-    fn end(&self) -> Endpoint<'_> {
-        self.ends.last()
-    }
-
-    fn end_mut(&mut self) -> &mut [f64] {
-        &mut self.ends.end
-    }
+    between_ends!();
 
     fn begin(&mut self, system: &dyn System, t: f64) -> Result<(), StepFailure> {
         self.expanded = false;

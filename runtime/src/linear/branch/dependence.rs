@@ -6,6 +6,7 @@ use nalgebra::DMatrix;
 
 use super::State;
 use super::continuation::Continuation;
+use crate::matrix::svd;
 
 /// Rows whose least singular value is below this part of the largest may depend on each other near by.
 const DOUBTFUL: f64 = 0.25;
@@ -77,7 +78,7 @@ impl<'a> Rows<'a> {
 
     /// Singular values as parts of the largest, falling, and the row that has most of what belongs to the least.
     fn values(&self, state: &State) -> (Vec<f64>, usize) {
-        let Some(svd) = self.scaled(state).and_then(|scaled| scaled.try_svd(true, false, f64::EPSILON, 0)) else {
+        let Some(svd) = self.scaled(state).and_then(|scaled| svd(scaled, true, false)) else {
             return (Vec::new(), 0);
         };
         let values = svd.singular_values;

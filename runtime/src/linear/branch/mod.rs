@@ -2,7 +2,7 @@
 //! threshold on it is found.
 //!
 //! 1. What changes: look in `varied.rs`; the equations of its states: look in `balance.rs`, and with constraints in `../constrained/balance.rs`.
-//! 2. Pseudo-arclength continuation: look in `walk.rs`.
+//! 2. Pseudo-arclength continuation: look in `continuation.rs`.
 //! 3. Eigenvalues along it, and between which two states of it stability changes: look in `threshold.rs`.
 //! 4. Where constraints lose their rank: look in `dependence.rs`.
 //! 5. Sheets between folds, and which of them comes first at a value: look in `sheets.rs`.

@@ -11,7 +11,7 @@ use super::steady::Shifts;
 use crate::linear::branch::{Balance, Slopes, Spectrum, Varied};
 use crate::linear::equilibrium::LinearisationPoint;
 use crate::linear::{Guess, LinearError};
-use crate::mechanism::System;
+use crate::mechanism::{System, rows_in_force};
 
 /// The equations of a mechanism with constraints while something changes, which has this value at present.
 ///
@@ -27,7 +27,7 @@ pub(in crate::linear) fn balance<S: System + ?Sized>(
 ) -> Result<Box<dyn Balance>, LinearError> {
     let probe = LinearisationPoint::new(system, guess);
     probe.sides_at(&guess.q);
-    let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    let rows: Vec<usize> = rows_in_force(system).collect();
     let moves = !matches!(varied, Varied::Parameter(_)) || guess.v.iter().any(|v| *v != 0.0);
     let found = {
         let system = probe.system.borrow();

@@ -168,13 +168,13 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         let (slopes, jacobian, mass) = (self.slopes(state), self.jacobian(state), self.mass(state));
         let (directions, turned, kept) = (symmetries.at(&state.q), symmetries.turned(&state.v), kept(given));
         let by_speed = slopes.view((0, n), (n, n));
-        let (mut by_place, mut tilt) = (slopes.view((0, 0), (n, n)).into_owned(), self.rate_jacobian(state));
+        let (mut by_place, mut rate_jacobian) = (slopes.view((0, 0), (n, n)).into_owned(), self.rate_jacobian(state));
         let mut by_weight = by_speed * &directions;
         let mut kept_by_place = DMatrix::zeros(kept.len(), n);
         if let Some(turn) = &state.turn {
             let turn = &turn.matrix;
             by_place += (by_speed + &mass * turn) * turn;
-            tilt += &jacobian * turn;
+            rate_jacobian += &jacobian * turn;
             by_weight += &mass * (turn * &directions + turned);
             kept_by_place = turn.select_rows(&kept);
         }
@@ -186,7 +186,7 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         for (line, k) in self.closed().enumerate() {
             matrix.view_mut((n + k, 0), (1, n)).copy_from(&closed.row(line));
         }
-        matrix.view_mut((n + m, 0), (m, n)).copy_from(&tilt);
+        matrix.view_mut((n + m, 0), (m, n)).copy_from(&rate_jacobian);
         matrix.view_mut((n + m, n + m), (m, ways)).copy_from(&(jacobian * &directions));
         matrix.view_mut((n + 2 * m, 0), (kept.len(), n)).copy_from(&kept_by_place);
         matrix.view_mut((n + 2 * m, n + m), (kept.len(), ways)).copy_from(&directions.select_rows(&kept));

@@ -17,7 +17,7 @@ use crate::linear::forced::slopes_of;
 use crate::linear::{Drive, LinearError, Observed, Source, SparseMatrix, Steady};
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{constraint_rates_by_inputs, force_slopes, input_matrix};
-use crate::mechanism::{Solutions, System};
+use crate::mechanism::{Solutions, System, rows_in_force};
 
 /// Rows that inputs move may be missed by this part of their terms.
 const MISSED: f64 = 1e-9;
@@ -239,7 +239,7 @@ impl Constrained {
         let at = &self.linear.equilibrium;
         let probe = LinearisationPoint::new(system, &at.guess());
         probe.sides_at(&at.q);
-        let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+        let rows: Vec<usize> = rows_in_force(system).collect();
         let (whole, lambda) = {
             let system = probe.system.borrow();
             let held = ConstrainedState::new(&**system, &rows, &at.q);

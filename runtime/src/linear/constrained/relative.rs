@@ -12,7 +12,7 @@ use super::turns::{Symmetries, later};
 use crate::linear::matrices::{expm, natural_sizes};
 use crate::linear::{FirstOrder, Guess, LinearError, Stability, first_order_modes};
 use crate::matrix::solve_least;
-use crate::mechanism::System;
+use crate::mechanism::{System, rows_in_force};
 
 /// Shifts that constraints do not allow miss them by more than this part of themselves.
 const MISSED: f64 = 1e-9;
@@ -104,7 +104,7 @@ pub(super) fn analysed(matrix: &DMatrix<f64>, shifted: usize) -> Result<FirstOrd
 /// Whether the speeds of a guess are those of a motion that turns as a whole, as what rolls along a circle.
 #[cfg(feature = "cli")]
 pub(crate) fn turns_as_a_whole(system: &dyn System, guess: &Guess) -> bool {
-    let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    let rows: Vec<usize> = rows_in_force(system).collect();
     let turns = |system: &dyn System, guess: &Guess| {
         let turns = ConstrainedState::new(system, &rows, &guess.q).turning_guess(guess).is_some();
         Ok((turns, guess.clone()))

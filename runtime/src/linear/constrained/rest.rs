@@ -16,7 +16,7 @@ use crate::linear::matrices::natural_sizes;
 use crate::linear::{Equilibrium, Guess, LinearError, Linearised, Mode, ZeroStiffness};
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{constraint_triples, mass_matrix};
-use crate::mechanism::{At, System};
+use crate::mechanism::{At, System, rows_in_force};
 
 /// M, C and K of a constrained mechanism in independent coordinates, and how all others follow.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,7 +64,7 @@ pub fn linearise_constrained<S: System + ?Sized>(
     guess: &Guess,
     here: bool,
 ) -> Result<Constrained, LinearError> {
-    let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    let rows: Vec<usize> = rows_in_force(system).collect();
     on_its_sides(system, guess, |system, guess| {
         let mut held = at_rest(system, &rows, guess)?;
         let found = match here {
@@ -83,7 +83,7 @@ pub fn linearise_constrained<S: System + ?Sized>(
 
 /// As [`linearise_constrained`] at a state that is known to be an equilibrium, whose freedom nobody asks for.
 pub(super) fn linearised_at(system: &dyn System, guess: &Guess) -> Result<Linearised, LinearError> {
-    let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    let rows: Vec<usize> = rows_in_force(system).collect();
     on_its_sides(system, guess, |system, guess| {
         let held = at_rest(system, &rows, guess)?;
         let state = held.state(&guess.q, &guess.v);
@@ -145,7 +145,7 @@ pub(super) fn at_rest<'a, S: System + ?Sized>(
 /// # Errors
 /// As [`linearise_constrained`].
 pub fn linearise_driven<S: System + ?Sized>(system: &S, guess: &Guess) -> Result<Constrained, LinearError> {
-    let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    let rows: Vec<usize> = rows_in_force(system).collect();
     on_its_sides(system, guess, |system, guess| {
         let held = ConstrainedState::new(system, &rows, &guess.q);
         held.in_independent_coordinates(&held.state(&guess.q, &vec![0.0; held.n]), 0, &guess.inputs)
@@ -236,7 +236,7 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         if self.is_exact(&state) {
             return Ok(Found { state, iterations: 0, slow: None });
         }
-        let mut pace = ConvergenceHistory::default();
+        let mut history = ConvergenceHistory::default();
         for iterations in 0..ITERATIONS {
             let lost = state.q.iter().any(|q| q.abs() > FAR);
             let Some((step, rows)) = (if lost { None } else { self.step(&state) }) else {
@@ -257,17 +257,17 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
             let largest = step.iter().zip(&sizes).fold(0.0_f64, |most, (step, size)| most.max(step.abs() / size));
             match better {
                 Some((part, next)) if largest > f64::EPSILON => {
-                    pace.note(largest, part, largest);
+                    history.note(largest, part, largest);
                     state = next;
                 }
                 // As good as rounding lets it be, or nowhere.
-                _ if self.stays(&state) => return Ok(Found { state, iterations, slow: pace.slow }),
+                _ if self.stays(&state) => return Ok(Found { state, iterations, slow: history.slow }),
                 Some((_, next)) => state = next,
                 None => return Err(self.nowhere(&state, iterations)),
             }
         }
         match self.stays(&state) {
-            true => Ok(Found { state, iterations: ITERATIONS, slow: pace.slow }),
+            true => Ok(Found { state, iterations: ITERATIONS, slow: history.slow }),
             false => Err(self.nowhere(&state, ITERATIONS)),
         }
     }

@@ -17,9 +17,9 @@ use super::turns::Symmetries;
 use crate::linear::equilibrium::LinearisationPoint;
 use crate::linear::matrices::natural_sizes;
 use crate::linear::{Guess, LinearError};
-use crate::matrix::{equilibrated, solve_least};
+use crate::matrix::{equilibrated, solve_least, svd};
 use crate::mechanism::dense::{constraint_matrix, constraint_slopes, constraint_triples, force_slopes};
-use crate::mechanism::{At, System};
+use crate::mechanism::{At, System, rows_in_force};
 
 /// States at which equations are asked what they depend on, and so many of them must be defined.
 pub(super) const STATES: usize = 6;
@@ -50,7 +50,7 @@ const SAME: f64 = 1e-9;
 pub fn steady_coordinates<S: System + ?Sized>(system: &S, guess: &Guess) -> Result<Vec<usize>, LinearError> {
     let probe = LinearisationPoint::new(system, guess);
     probe.sides_at(&guess.q);
-    let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    let rows: Vec<usize> = rows_in_force(system).collect();
     let system = probe.system.borrow();
     let shifts = ConstrainedState::new(&**system, &rows, &guess.q).shifts(&guess.q)?;
     Ok(shifts.coordinates())
@@ -64,7 +64,7 @@ pub(crate) fn lone_steady_coordinates<S: System + ?Sized>(
 ) -> Result<Vec<usize>, LinearError> {
     let probe = LinearisationPoint::new(system, guess);
     probe.sides_at(&guess.q);
-    let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    let rows: Vec<usize> = rows_in_force(system).collect();
     let system = probe.system.borrow();
     Ok(ConstrainedState::new(&**system, &rows, &guess.q).shifts(&guess.q)?.alone())
 }
@@ -77,7 +77,7 @@ pub(crate) fn lone_steady_coordinates<S: System + ?Sized>(
 pub fn turning_coordinates<S: System + ?Sized>(system: &S, guess: &Guess) -> Result<Vec<usize>, LinearError> {
     let probe = LinearisationPoint::new(system, guess);
     probe.sides_at(&guess.q);
-    let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    let rows: Vec<usize> = rows_in_force(system).collect();
     let system = probe.system.borrow();
     let held = ConstrainedState::new(&**system, &rows, &guess.q);
     let shifts = held.shifts(&guess.q)?;
@@ -151,8 +151,8 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         }
         let (scaled, _, columns) = equilibrated(&all.select_columns(&moved));
         // R of Q R has the singular values of all rows together.
-        let svd = scaled.qr().r().try_svd(false, true, f64::EPSILON, 0).ok_or_else(|| failed.clone())?;
-        let largest = svd.singular_values.iter().fold(0.0_f64, |most, x| most.max(*x));
+        let svd = svd(scaled.qr().r(), false, true).ok_or_else(|| failed.clone())?;
+        let largest = svd.singular_values.max();
         let null: Vec<usize> = (0..moved.len()).filter(|k| svd.singular_values[*k] <= NULL * largest).collect();
         let v_t = svd.v_t.ok_or(failed)?.select_rows(&null);
         let mut basis: Vec<DVector<f64>> = Vec::new();

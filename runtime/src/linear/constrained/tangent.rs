@@ -18,8 +18,8 @@ use super::relative::{Small, analysed};
 use super::state::{ConstrainedState, State};
 use crate::linear::matrices::natural_sizes;
 use crate::linear::{Equilibrium, FirstOrder, Guess, LinearError, ZeroStiffness};
-use crate::matrix::solve_least;
-use crate::mechanism::System;
+use crate::matrix::{solve_least, svd};
+use crate::mechanism::{System, rows_in_force};
 
 /// A steady motion with constraints, and what becomes of small departures from it.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,7 +58,7 @@ pub(super) const SAME: f64 = 1e-8;
 /// [`LinearError::NoEquilibrium`], [`LinearError::NotAnEquilibrium`]; [`LinearError::NotSteady`] and
 /// [`LinearError::DependsOnTime`] where the linear model changes as the motion goes on; numbers that are not finite.
 pub fn linearise_tangent<S: System + ?Sized>(system: &S, guess: &Guess, here: bool) -> Result<Tangent, LinearError> {
-    let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+    let rows: Vec<usize> = rows_in_force(system).collect();
     on_its_sides(system, guess, |system, guess| {
         let held = ConstrainedState::new(system, &rows, &guess.q);
         let (state, iterations) = match held.turning_guess(guess) {
@@ -331,7 +331,7 @@ pub(super) fn null_space(mut matrix: DMatrix<f64>) -> Option<DMatrix<f64>> {
     // With as many rows as columns all of V is computed.
     let rows = matrix.nrows().max(columns);
     let matrix = matrix.resize(rows, columns, 0.0);
-    let svd = matrix.try_svd(false, true, f64::EPSILON, 0)?;
+    let svd = svd(matrix, false, true)?;
     let largest = svd.singular_values.amax();
     let left: Vec<usize> = (0..columns).filter(|k| svd.singular_values[*k] <= DEPENDENT * largest).collect();
     Some(svd.v_t?.select_rows(&left).transpose())
@@ -348,5 +348,6 @@ mod tests {
         assert_eq!(basis.shape(), (4, 3));
         assert!((rows * &basis).norm() < 1e-14);
         assert!((basis.transpose() * &basis - DMatrix::identity(3, 3)).norm() < 1e-14);
+        assert!(null_space(DMatrix::from_element(3, 4, f64::NAN)).is_none());
     }
 }

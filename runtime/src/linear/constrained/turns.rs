@@ -17,7 +17,7 @@ use super::steady::{DEFINED, Draw, NULL, STATES, Shifts, reduced_by};
 use crate::constrain::{Start, consistent};
 use crate::linear::LinearError;
 use crate::linear::matrices::{expm, natural_sizes};
-use crate::matrix::solve_least;
+use crate::matrix::{solve_least, svd};
 use crate::mechanism::System;
 
 /// With more lengths turns are not searched for: a pair of each two of them is asked.
@@ -172,9 +172,8 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         }
         let failed = LinearError::NoConvergence { what: "the search for turns that change nothing" };
         let rows = all.nrows().max(all.ncols());
-        let svd =
-            all.resize_vertically(rows, 0.0).qr().r().try_svd(false, true, f64::EPSILON, 0).ok_or(failed.clone())?;
-        let largest = svd.singular_values.iter().fold(0.0_f64, |most, x| most.max(*x));
+        let svd = svd(all.resize_vertically(rows, 0.0).qr().r(), false, true).ok_or(failed.clone())?;
+        let largest = svd.singular_values.max();
         let null: Vec<usize> = (0..candidates.len()).filter(|k| svd.singular_values[*k] <= NULL * largest).collect();
         let (rows, pivots) = reduced_by(svd.v_t.ok_or(failed)?.select_rows(&null), count);
         let about = DVector::from_column_slice(q);
@@ -192,7 +191,7 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         let (v, a) = (DVector::from_column_slice(&state.v), DVector::from_column_slice(&state.a));
         let (slopes, mass) = (self.slopes(&state), self.mass(&state));
         let (by_place, by_speed) = (slopes.view((0, 0), (n, n)), slopes.view((0, n), (n, n)));
-        let (jacobian, tilt, force) = (self.jacobian(&state), self.rate_jacobian(&state), self.force(&state));
+        let (jacobian, rate_jacobian, force) = (self.jacobian(&state), self.rate_jacobian(&state), self.force(&state));
         let sized = DVector::from_column_slice(sizes);
         let mut effects = self.effects(&state);
         effects.column_iter_mut().for_each(|mut column| column.component_mul_assign(&sized));
@@ -202,7 +201,7 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
             let (xi, speed, rate) = (candidate.field(&far, sizes), candidate.turned(&v), candidate.turned(&a));
             // Aᵀ = −A.
             let parts = [by_place * &xi, by_speed * &speed, &mass * rate, -candidate.turned(&force)];
-            let rows = [&tilt * &xi, &jacobian * &speed];
+            let rows = [&rate_jacobian * &xi, &jacobian * &speed];
             for i in 0..n {
                 all[(i, column)] = sizes[i] * parts.iter().map(|part| part[i]).sum::<f64>();
                 let largest = parts.iter().fold(0.0_f64, |most, part| most.max((sizes[i] * part[i]).abs()));

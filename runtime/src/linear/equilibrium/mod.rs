@@ -23,6 +23,8 @@ pub(super) use linearise::linearised_at;
 pub use linearise::{Linearised, linearise, state_matrix};
 pub(super) use point::LinearisationPoint;
 pub(crate) use point::force_unit;
+#[cfg(all(feature = "cli", feature = "modal"))]
+pub(crate) use sampled::periods;
 #[cfg(feature = "modal")]
 pub use sampled::{SampledLoop, linearise_sampled};
 pub(super) use search::ConvergenceHistory;

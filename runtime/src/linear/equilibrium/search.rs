@@ -11,6 +11,7 @@ use crate::linear::matrices::{Scaled, Singular};
 use crate::linear::{LinearError, SparseMatrix, short, short_beside};
 use crate::matrix::equilibrated;
 use crate::mechanism::System;
+use crate::numbers::spaced;
 
 /// Residual forces of a given state below this part of their own row's terms count as zero.
 const GIVEN: f64 = 1e-9;
@@ -210,11 +211,11 @@ fn balanced(force: &[f64], measure: &[f64], part: f64) -> bool {
 
 fn newton(base: &LinearisationPoint, mut q: Vec<f64>) -> Result<Found, LinearError> {
     let mut force = base.force(&q);
-    let mut pace = ConvergenceHistory::default();
+    let mut history = ConvergenceHistory::default();
     let mut reach: Vec<f64> = q.iter().map(|q| q.abs()).collect();
     for iterations in 0..MOST_ITERATIONS {
         if force.iter().all(|f| *f == 0.0) {
-            return Ok(Found { q, iterations, slow: pace.slow });
+            return Ok(Found { q, iterations, slow: history.slow });
         }
         let [mass, _, stiffness] = base.matrices(&q);
         let here = balanced(&force, &base.measure(&q), FOUND);
@@ -225,17 +226,17 @@ fn newton(base: &LinearisationPoint, mut q: Vec<f64>) -> Result<Found, LinearErr
         reach.iter_mut().zip(&next).for_each(|(reach, q)| *reach = reach.max(q.abs()));
         let part = |(step, reach): (&f64, &f64)| if *step == 0.0 { 0.0 } else { step.abs() / reach };
         let largest = step.iter().zip(&reach).map(part).fold(0.0, f64::max);
-        pace.note(rows.scaled.norm(&step), factor, largest);
+        history.note(rows.scaled.norm(&step), factor, largest);
         if after < before {
             (q, force) = (next, next_force);
         }
         if let Some(q) = without_rounding(base, &q, &reach) {
-            return Ok(Found { q, iterations: iterations + 1, slow: pace.slow });
+            return Ok(Found { q, iterations: iterations + 1, slow: history.slow });
         }
         // Rounding, or a multiple root that is near enough.
-        let enough = if pace.slow.is_some() { 1e-10 } else { f64::EPSILON };
+        let enough = if history.slow.is_some() { 1e-10 } else { f64::EPSILON };
         if here && (after > 0.5 * before || largest <= enough) {
-            return Ok(Found { q, iterations: iterations + 1, slow: pace.slow });
+            return Ok(Found { q, iterations: iterations + 1, slow: history.slow });
         }
         if after >= before {
             return Err(failed(base, iterations + 1, &q, &force));
@@ -398,9 +399,4 @@ impl fmt::Display for Equilibrium {
         }
         Ok(())
     }
-}
-
-/// ` m`, or nothing for a pure number and where there is no unit.
-fn spaced(unit: &str) -> String {
-    if matches!(unit, "" | "1") { String::new() } else { format!(" {unit}") }
 }

@@ -6,6 +6,7 @@ use super::{Motion, Source};
 use crate::linear::matrices::cholesky;
 use crate::linear::modes::Spectrum;
 use crate::linear::{LinearError, Linearised, Reduction, expm, short};
+use crate::matrix::svd;
 
 /// A force F(t) = cos(Ωt) `cosine` + sin(Ωt) `sine`.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -66,7 +67,7 @@ impl Linearised {
     ) -> Option<DVector<Complex<f64>>> {
         let n = self.len();
         let scaled = DMatrix::from_fn(n, n, |i, j| stiffness[(i, j)] * units[i] * units[j]);
-        let svd = scaled.try_svd(true, true, f64::EPSILON, 1000)?;
+        let svd = svd(scaled, true, true)?;
         let (u, v) = (svd.u.as_ref()?, svd.v_t.as_ref()?);
         let floor = floor.max(f64::EPSILON * svd.singular_values.max());
         let mut found = DVector::zeros(n);

@@ -7,6 +7,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 use super::{Drive, Observed, Source};
 use crate::linear::matrices::{balanced, cholesky, solve_cholesky};
 use crate::linear::{LinearError, Linearised};
+use crate::matrix::svd;
 use crate::mechanism::rate_name;
 
 /// x' = A x + B u, y − y₀ = C x + D u: departures x from a rest or a steady motion, inputs u, answers y; names and SI units of each.
@@ -186,7 +187,7 @@ impl InputOutput {
         }
         let failed = LinearError::NoConvergence { what: "eigenvalues" };
         let eigenvalues = match size > 0.0 {
-            true => a.clone().try_schur(f64::EPSILON, 0).ok_or(failed.clone())?.complex_eigenvalues(),
+            true => a.clone().try_schur(f64::EPSILON, 100 * s.max(10)).ok_or(failed.clone())?.complex_eigenvalues(),
             false => DVector::zeros(s),
         };
         let mut found: Vec<Unreached> = Vec::new();
@@ -198,7 +199,7 @@ impl InputOutput {
                 Some(row) => Complex::from(c[(row, j)]),
                 None => Complex::from(-a[(i, j)]) + if i == j { *eigenvalue } else { Complex::ZERO },
             });
-            let parts = both.try_svd(false, true, f64::EPSILON, 0).ok_or(failed.clone())?;
+            let parts = svd(both, false, true).ok_or(failed.clone())?;
             let values = &parts.singular_values;
             let lost: Vec<usize> = (0..s).filter(|k| values[*k] <= UNREACHED * values.max()).collect();
             let (Some(last), Some(right)) = (lost.last(), &parts.v_t) else { continue };

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::symmetric_eigen;
-use crate::matrix::is_symmetric;
+use crate::matrix::{is_symmetric, svd};
 
 /// Large symmetric matrices go by their eigenvalues, which cost less.
 const LARGE: usize = 60;
@@ -19,9 +19,6 @@ impl Singular {
     /// `None` where the iteration does not end.
     pub fn of(matrix: &DMatrix<f64>) -> Option<Singular> {
         let n = matrix.nrows();
-        if matrix.iter().any(|x| !x.is_finite()) {
-            return None;
-        }
         if n > LARGE && is_symmetric(matrix) {
             let (values, v) = symmetric_eigen(matrix.clone())?;
             let mut u = v.clone();
@@ -30,9 +27,8 @@ impl Singular {
             }
             return Some(Singular { u, values: values.abs(), v });
         }
-        let solved = matrix.clone().try_svd(true, true, f64::EPSILON, 1000 * n.max(10))?;
-        let (u, v_t) = solved.u.zip(solved.v_t).unwrap_or_else(|| (DMatrix::identity(n, n), DMatrix::identity(n, n)));
-        Some(Singular { u, values: solved.singular_values, v: v_t.transpose() })
+        let solved = svd(matrix.clone(), true, true)?;
+        Some(Singular { u: solved.u?, values: solved.singular_values, v: solved.v_t?.transpose() })
     }
 
     /// The shortest x that minimises |A x − b|; singular values up to a threshold count as 0.

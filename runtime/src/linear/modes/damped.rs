@@ -7,7 +7,7 @@ use super::dissipation::Dissipation;
 use super::{Kind, Mode, secular};
 use crate::linear::matrices::{Eigen, Scaled, Singular, cholesky, condition, null_space};
 use crate::linear::{LinearError, Linearised};
-use crate::matrix::{equilibrated, is_symmetric};
+use crate::matrix::{equilibrated, is_symmetric, rank};
 
 /// Eigenvectors beyond this condition number are no basis to compute with.
 const WORST_CONDITION: f64 = 1e6;
@@ -278,7 +278,7 @@ impl Rigid {
         // Singular values of Nᵀ C N against the terms that it is made of.
         let terms = left.abs().transpose() * damping.abs() * right.abs();
         let threshold = Scaled::threshold(linear.len(), terms.amax());
-        let working = coupled.singular_values().iter().filter(|s| **s > threshold).count();
+        let working = rank(coupled, threshold).ok_or_else(failed)?;
         let columns: Vec<DVector<f64>> =
             right.column_iter().map(|c| DVector::from_vec(scaled.step(&c.into_owned()))).collect();
         let shapes = orthonormal(columns, mass);

@@ -17,7 +17,7 @@ pub(crate) use extended::ExtendedAt;
 use series::OwnSeries;
 
 use super::balances::{belongs, put_reactions};
-use super::phased::{Phased, RowHistory, indicate, sprung};
+use super::phased::{Phased, RowHistory, indicate, shared_by_systems, sprung};
 use super::system::{Replaced, put_diagonal};
 use super::{
     Along, At, Balances, Contacts, Description, Energy, Enforcement, Gimbal, Motion, MotionNumbers, Noise, Sampling,
@@ -127,6 +127,8 @@ impl Interpreted {
 }
 
 impl System for Interpreted {
+    shared_by_systems!();
+
     fn description(&self) -> &Description {
         &self.description
     }
@@ -210,22 +212,6 @@ impl System for Interpreted {
         Energy::from_array(self.interpreter.part_energy(part, with_inputs(at, &u)))
     }
 
-    fn accelerations_and_multipliers(&self, at: At<'_>, a: &mut [f64], lambda: &mut [f64]) -> Result<(), Singular> {
-        if !self.sliding.is_empty() {
-            return sliding::accelerations_and_multipliers(self, at, a, lambda);
-        }
-        lambda.fill(0.0);
-        if !self.active_rows().is_empty() {
-            self.phased.reactions(self, at, a, lambda)?;
-        }
-        // A system of balances gives its own accelerations, and leaves multipliers to the constraints.
-        if self.derivation.is_some() || self.active_rows().is_empty() { self.accelerations(at, a) } else { Ok(()) }
-    }
-
-    fn motion_rates(&self, at: At<'_>, a: &mut [f64], lambda: &mut [f64]) -> bool {
-        self.derivation.is_none() && self.phased.rates(self, at, a, lambda)
-    }
-
     fn constraints(&self, at: At<'_>, triples: &mut [f64]) {
         self.evaluate(Function::Constraints, at, triples);
     }
@@ -261,10 +247,6 @@ impl System for Interpreted {
         self.evaluate(Function::HeldRates, at, values);
     }
 
-    fn phase(&self) -> usize {
-        self.phased.phase
-    }
-
     fn set_phase(&mut self, phase: usize) {
         if phase < self.description.phases.len() {
             self.phased.phase = phase;
@@ -272,30 +254,10 @@ impl System for Interpreted {
         }
     }
 
-    fn row_history(&self) -> Option<&RowHistory> {
-        Some(&self.phased.history)
-    }
-
-    fn row_history_mut(&mut self) -> Option<&mut RowHistory> {
-        Some(&mut self.phased.history)
-    }
-
-    fn enforcement(&self) -> Enforcement {
-        self.phased.enforcement
-    }
-
-    fn baumgarte_gain(&self) -> f64 {
-        self.phased.alpha
-    }
-
-    fn enforce(&mut self, by: Enforcement, alpha: f64) {
-        (self.phased.enforcement, self.phased.alpha) = (by, alpha);
-    }
-
     fn start_conditions(&self, at: At<'_>) -> Vec<(f64, f64)> {
         let wanted = self.interpreter.program().start_condition_values();
         let mut values = vec![0.0; wanted.len()];
-        self.complete(Function::Also, at, true, &mut values);
+        self.complete(Function::StartConditions, at, true, &mut values);
         values.into_iter().zip(wanted).map(|(value, id)| (value, self.interpreter.constant(id))).collect()
     }
 
@@ -430,10 +392,6 @@ impl System for Interpreted {
         self.evaluate(Function::Arguments, at, pairs);
     }
 
-    fn signal(&self, index: usize) -> Option<&Signal> {
-        self.signals.get(index)?.as_ref()?.signal()
-    }
-
     fn switches(&self, at: At<'_>, pairs: &mut [f64]) {
         self.evaluate(Function::Switches, at, pairs);
     }
@@ -461,14 +419,6 @@ impl System for Interpreted {
         }
     }
 
-    fn sliding(&self) -> &[usize] {
-        &self.sliding
-    }
-
-    fn can_slide(&self) -> bool {
-        true
-    }
-
     fn drawing(&self, at: At<'_>, values: &mut [f64]) {
         self.evaluate(Function::Drawing, at, values);
     }
@@ -487,18 +437,6 @@ impl System for Interpreted {
         values.copy_from_slice(&self.input_values(t));
     }
 
-    fn set_input(&mut self, index: usize, signal: Signal) {
-        if let Some(slot) = self.signals.get_mut(index) {
-            *slot = Some(Replaced::Signal(signal));
-        }
-    }
-
-    fn hold_input(&mut self, index: usize, value: f64) {
-        if let Some(slot) = self.signals.get_mut(index) {
-            *slot = Some(Replaced::Held(value));
-        }
-    }
-
     fn scene_parameters(&self, scene: usize) -> Vec<(usize, f64)> {
         let mut scenes = self.interpreter.program().model.all_scenes();
         scenes
@@ -510,8 +448,9 @@ impl System for Interpreted {
         let scenes: Vec<_> = self.interpreter.program().model.all_scenes().collect();
         let searched =
             !self.description.rows.is_empty() || scenes.iter().any(|scene| !scene.start_conditions.is_empty());
-        let first: usize = scenes.iter().take(scene).map(|scene| scene.start_conditions.len()).sum();
-        let scene = scenes[if scene < scenes.len() { scene } else { 0 }];
+        let index = if scene < scenes.len() { scene } else { 0 };
+        let first: usize = scenes[..index].iter().map(|scene| scene.start_conditions.len()).sum();
+        let scene = scenes[index];
         let value = |id| self.interpreter.constant(id);
         Scene {
             q: scene.q.iter().map(|id| value(*id)).collect(),
@@ -537,18 +476,10 @@ impl System for Interpreted {
         self.interpreter.balances(system, with_inputs(at, &u), matrix, right);
     }
 
-    fn derivation(&self) -> Option<usize> {
-        self.derivation
-    }
-
     fn set_derivation(&mut self, system: Option<usize>) {
         if system.is_none_or(|system| system < self.description.balances.len()) {
             self.derivation = system;
         }
-    }
-
-    fn boxed_clone(&self) -> Box<dyn System> {
-        Box::new(self.clone())
     }
 }
 

@@ -14,7 +14,7 @@ mod rows;
 mod slopes;
 
 use super::{At, Singular, SingularMass, System};
-use super::{factor_packed, substitute_back, substitute_forward};
+use super::{factor_packed, rows_in_force, substitute_back, substitute_forward};
 pub(crate) use null_space::Solutions;
 
 /// A pivot of M is rounding below this part of its diagonal.
@@ -114,7 +114,7 @@ impl KktSolver {
     /// Takes note of the rows in force, and takes their J and M at a place.
     fn take<S: System + ?Sized>(&mut self, system: &S, at: At<'_>) {
         self.active.clear();
-        self.active.extend(system.active_rows().iter().map(|row| *row as usize));
+        self.active.extend(rows_in_force(system));
         self.load(system, at);
     }
 
@@ -179,7 +179,7 @@ impl KktSolver {
 
     /// How many of the rows in force are independent elsewhere.
     fn usual_rank<S: System + ?Sized>(&self, system: &S) -> usize {
-        let active = system.active_rows().iter().map(|row| *row as usize);
+        let active = rows_in_force(system);
         let phase = system.description().phases.get(system.phase());
         phase.filter(|_| active.eq(self.active.iter().copied())).map_or(self.active.len(), |phase| phase.rank as usize)
     }

@@ -200,9 +200,8 @@ impl Lower<'_> {
             Member::Body(body) => self.item(self.scope.bodies[body].position),
             Member::Reaction(place) => {
                 let reaction = &self.scope.reactions[place];
-                let symbols = reaction.first..reaction.first + reaction.components as u32;
                 let scalar = reaction.scalar;
-                let values: Vec<Id> = symbols.map(|k| self.builder.graph.symbol(Symbol::Reaction(k))).collect();
+                let values: Vec<Id> = reaction.symbols().map(|symbol| self.builder.graph.symbol(symbol)).collect();
                 if scalar { Value::Scalar(values[0]) } else { Value::Vector(values) }
             }
             _ => {

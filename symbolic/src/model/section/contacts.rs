@@ -207,19 +207,10 @@ impl Resolver<'_> {
         let gap = spot.need("gap", "a contact", problems).and_then(|gap| gap.text(problems));
         let on = spot.need("on", "a contact", problems).and_then(|on| on.text(problems));
         let normal = spot.need("normal", "a contact", problems).and_then(|normal| normal.written(problems));
-        let mut text = |key: &str| match spot.get(key) {
-            Some(spot) => spot.text(problems).map(Some),
-            None => Some(None),
-        };
+        let mut text = |key: &str| spot.optional(key, |spot| spot.text(problems));
         let (from, friction, greatest) = (text("from"), text("friction"), text("static"));
-        let restitution = match spot.get("restitution") {
-            Some(restitution) => restitution.quantity(problems).map(Some),
-            None => Some(None),
-        };
-        let at = match spot.get("at") {
-            Some(at) => at.written(problems).map(Some),
-            None => Some(None),
-        };
+        let restitution = spot.optional("restitution", |restitution| restitution.quantity(problems));
+        let at = spot.optional("at", |at| at.written(problems));
         gap?;
         Some(Kind::Contact(Box::new(Touching {
             on: on?,

@@ -3,9 +3,10 @@
 use rustc_hash::FxHashMap as HashMap;
 
 use crate::diagnose::catalogue::mechanics;
+use crate::diagnose::counted;
 use crate::expr::{Id, Symbol, substitute};
 use crate::model::expression::facts::Depends;
-use crate::model::resolved::BalanceSystem;
+use crate::model::resolved::{BalanceSystem, Constraint};
 use crate::model::resolver::Resolver;
 use crate::model::section::contacts::ContactText;
 
@@ -71,7 +72,7 @@ impl Resolver<'_> {
     /// The rows of the constraints that act in a phase.
     fn active_rows(&self, phase: usize) -> Vec<usize> {
         let active = self.model.phases[phase].constraints.iter().map(|c| &self.model.constraints[*c]);
-        active.flat_map(|c| c.first..c.first + c.value.len()).collect()
+        active.flat_map(Constraint::rows).collect()
     }
 
     /// Which of these rows have multipliers that stand in the equations of a system in a phase.
@@ -116,9 +117,4 @@ fn row(symbol: Symbol) -> Option<usize> {
         Symbol::Multiplier(row) => Some(row as usize),
         _ => None,
     }
-}
-
-/// `1 row`, `2 rows`.
-fn counted(number: usize, of: &str) -> String {
-    format!("{number} {of}{}", if number == 1 { "" } else { "s" })
 }

@@ -25,15 +25,9 @@ impl Resolver<'_> {
         }
         let on = spot.need("on", "a force", problems).and_then(|on| on.written(problems));
         let force = spot.need("force", "a force", problems).and_then(|force| force.written(problems));
-        let mut given = |key: &str| match spot.get(key) {
-            Some(spot) => spot.written(problems).map(Some),
-            None => Some(None),
-        };
+        let mut given = |key: &str| spot.optional(key, |spot| spot.written(problems));
         let (at, reaction) = (given("at"), given("reaction"));
-        let from = match spot.get("from") {
-            Some(from) => from.text(problems).map(Some),
-            None => Some(None),
-        };
+        let from = spot.optional("from", |from| from.text(problems));
         let (Some(on), Some(force), Some(at), Some(reaction), Some(from)) = (on, force, at, reaction, from) else {
             return;
         };
@@ -81,10 +75,7 @@ impl Resolver<'_> {
         let problems = &mut self.builder.problems;
         let on = spot.need("on", "a torque", problems).and_then(|on| on.text(problems));
         let torque = spot.need("torque", "a torque", problems).and_then(|torque| torque.written(problems));
-        let from = match spot.get("from") {
-            Some(from) => from.text(problems).map(Some),
-            None => Some(None),
-        };
+        let from = spot.optional("from", |from| from.text(problems));
         let (Some(on), Some(torque), Some(from)) = (on, torque, from) else { return };
         for member in &family.members {
             let torque = self.moment_of_couple(&torque, &member.locals);

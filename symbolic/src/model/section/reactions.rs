@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::loads::{AttachedTo, Drafts};
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{names, sections};
-use crate::expr::{Id, Symbol, vectors};
+use crate::expr::{Id, vectors};
 use crate::file::{Node, Spot};
 use crate::model::expression::families::Locals;
 use crate::model::expression::radians;
@@ -82,18 +82,10 @@ impl<'a> Resolver<'a> {
         let reaction = self.scope.reactions.iter().find(|r| r.name == name)?.clone();
         let problems = &mut self.builder.problems;
         let on = spot.need("on", "a reaction", problems)?.text(problems)?;
-        let mut written = |key: &str| match spot.get(key) {
-            Some(spot) => spot.written(problems).map(Some),
-            None => Some(None),
-        };
+        let mut written = |key: &str| spot.optional(key, |spot| spot.written(problems));
         let (at, along) = (written("at")?, written("along")?);
-        let from = match spot.get("from") {
-            Some(from) => Some(from.text(problems)?),
-            None => None,
-        };
-        let symbols: Vec<Id> = (0..reaction.components as u32)
-            .map(|k| self.builder.graph.symbol(Symbol::Reaction(reaction.first + k)))
-            .collect();
+        let from = spot.optional("from", |from| from.text(problems))?;
+        let symbols: Vec<Id> = reaction.symbols().map(|symbol| self.builder.graph.symbol(symbol)).collect();
         let couple = spot.get("couple").is_some();
         let end = self.placed(&on, at.as_ref(), locals, drafts)?;
         let opposite = match &from {

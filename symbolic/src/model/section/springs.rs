@@ -276,15 +276,9 @@ impl Resolver<'_> {
     /// `on`, `from`, `along`, `at`.
     pub fn placement(&mut self, spot: &Spot<'_>) -> Option<Placement> {
         let problems = &mut self.builder.problems;
-        let mut text = |key: &str| match spot.get(key) {
-            Some(spot) => spot.text(problems).map(Some),
-            None => Some(None),
-        };
+        let mut text = |key: &str| spot.optional(key, |spot| spot.text(problems));
         let (on, from) = (text("on"), text("from"));
-        let mut written = |key: &str| match spot.get(key) {
-            Some(spot) => spot.written(problems).map(Some),
-            None => Some(None),
-        };
+        let mut written = |key: &str| spot.optional(key, |spot| spot.written(problems));
         let (along, at, axis) = (written("along"), written("at"), written("axis"));
         let placement = Placement { on: on?, from: from?, along: along?, at: at?, axis: axis? };
         let (on, along) = (placement.on.is_some(), placement.along.is_some());

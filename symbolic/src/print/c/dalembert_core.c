@@ -21,6 +21,14 @@ double dalembert_step(double x) {
     return x >= 0.0 ? 1.0 : x < 0.0 ? 0.0 : x;
 }
 
+double dalembert_min(double x, double y) {
+    return y < x || y != y ? y : x;
+}
+
+double dalembert_max(double x, double y) {
+    return y > x || y != y ? y : x;
+}
+
 double dalembert_table(double x, int order, int count, const double *knots, const double (*pieces)[4], double period,
                        double rise) {
     const double turns = period > 0.0 ? floor((x - knots[0]) / period) : 0.0;

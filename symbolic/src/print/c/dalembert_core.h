@@ -12,6 +12,10 @@ double dalembert_sign(double x);
 /* 1 where x >= 0, and 0. */
 double dalembert_step(double x);
 
+/* The smaller and the larger of two.  As everywhere here, NaN makes NaN. */
+double dalembert_min(double x, double y);
+double dalembert_max(double x, double y);
+
 /* A table by pieces c0 + c1 d + c2 d^2 + c3 d^3, d being the distance from the knot before, or its derivative of an order; there is
    one piece more than knots.  With a period (not 0) it repeats itself, risen by `rise`. */
 double dalembert_table(double x, int order, int count, const double *knots, const double (*pieces)[4], double period,

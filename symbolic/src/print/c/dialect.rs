@@ -124,12 +124,12 @@ pub(super) const TAKEN: &[&str] = &[
     "log",
     "pow",
     "fabs",
-    "fmin",
-    "fmax",
     "floor",
     "memcpy",
     "dalembert_sign",
     "dalembert_step",
+    "dalembert_min",
+    "dalembert_max",
     "dalembert_table",
 ];
 
@@ -169,8 +169,8 @@ impl Dialect for C<'_> {
         let name = match function {
             Binary::Pow => "pow",
             Binary::Atan2 => "atan2",
-            Binary::Min => "fmin",
-            _ => "fmax",
+            Binary::Min => "dalembert_min",
+            _ => "dalembert_max",
         };
         format!("{name}({}, {})", x.text, y.text)
     }

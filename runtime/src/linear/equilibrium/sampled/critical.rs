@@ -96,7 +96,7 @@ fn multiply(system: &mut dyn System, followers: &[Follower], factor: f64) {
 }
 
 /// The periods of all clocks that do not tick for noise alone.
-fn periods(system: &dyn System) -> Vec<f64> {
+pub fn periods(system: &dyn System) -> Vec<f64> {
     let clocks = system.clocks().into_iter().enumerate().filter(|(clock, _)| !is_of_noise(system, *clock));
     clocks.map(|(_, [_, every])| every).collect()
 }

@@ -16,6 +16,8 @@ mod rest;
 
 use nalgebra::{Complex, DMatrix};
 
+#[cfg(feature = "cli")]
+pub(crate) use critical::periods;
 use critical::{Critical, Varying};
 use cycle::{Cycle, INSTANT};
 use rest::{Assignment, Search};

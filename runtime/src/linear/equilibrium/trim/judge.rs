@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::super::least_steps::{BALANCED, Rest};
 use super::search::Search;
 use crate::linear::{LinearError, Residual};
-use crate::matrix::{equilibrated, solve_least};
+use crate::matrix::{equilibrated, solve_least, svd};
 use crate::mechanism::dense::multiplier_effects;
 
 /// Directions in which slopes, brought to one size, are below this part of the largest change nothing: nine digits of the slopes are
@@ -53,8 +53,7 @@ impl Search {
         let wide = scaled.ncols().saturating_sub(scaled.nrows());
         let rows = scaled.nrows() + wide;
         // Rows of zeros, so that all directions in which nothing changes are among those of the decomposition.
-        let scaled = scaled.resize_vertically(rows, 0.0);
-        let solved = scaled.try_svd(false, true, f64::EPSILON, 1000 * rows.max(10));
+        let solved = svd(scaled.resize_vertically(rows, 0.0), false, true);
         let failed = LinearError::NoConvergence { what: "the singular value decomposition of the slopes" };
         let (values, directions) = solved.and_then(|svd| Some((svd.singular_values, svd.v_t?))).ok_or(failed)?;
         let (first, most) = (directions.ncols() - self.unknowns.len(), values.max());

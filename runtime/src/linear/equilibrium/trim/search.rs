@@ -11,7 +11,7 @@ use crate::matrix::solve_least;
 use crate::mechanism::dense::{
     constraint_matrix, constraint_rates_by_inputs, constraint_triples, force_slopes, input_matrix, multiplier_effects,
 };
-use crate::mechanism::{Along, At, Function, System};
+use crate::mechanism::{Along, At, Function, System, rows_in_force};
 
 /// What is sought, where the search is.
 pub(super) struct Search {
@@ -66,7 +66,7 @@ impl Search {
         let values = unknowns.iter().map(value).collect::<Result<Vec<f64>, LinearError>>()?;
         let mut q = guess.q.clone();
         q.iter_mut().skip(mechanical).for_each(|hidden| *hidden = 0.0);
-        let rows: Vec<usize> = system.active_rows().iter().map(|row| *row as usize).collect();
+        let rows: Vec<usize> = rows_in_force(system).collect();
         let described = &system.description().rows;
         let there = constraint_triples(system, At::new(0.0, &q, &vec![0.0; n]));
         let closes = rows.iter().filter(|row| described[**row].holonomic || described[**row].integral);
