@@ -310,6 +310,7 @@ pub fn for_search(context: Context<'_>, options: &ArgMatches, files: &[&str]) ->
     let mut loaded = Loaded::find(context, options)?;
     outputs::check(options, files, &loaded.path)?;
     let mut settings = set_up(&mut loaded, options)?;
+    settings.interruption = context.interruption().into();
     if let Some(method) = options.get_one::<String>("method") {
         settings.method = method.parse().map_err(|e| Problem::Usage(format!("error: {e}")))?;
     }
