@@ -385,21 +385,26 @@ impl Laps {
                 None => linear,
             }
         };
+        let rounding = tolerance.sqrt();
         for steps in 0..STEPS {
-            let linear = linearised(&trial);
-            let step = linear.step(&trial.r);
-            let size = step.norm();
-            let rounding = tolerance.sqrt();
-            if size <= least || size < rounding && size > 0.5 * before {
-                return Ok(Solution { point: point.clone(), trial, linear, steps, last: size });
+            let mut linear = linearised(&trial);
+            let mut step = linear.step(&trial.r);
+            let is_last = |size: f64| size <= least || size < rounding && size > 0.5 * before;
+            let mut taken = if is_last(step.norm()) { None } else { self.shortened(point, (&linear, &step), &trial)? };
+            if taken.is_none() && step.norm() >= rounding && free.is_none() {
+                // Directions in which nothing changes at the motion change by as little as the guess misses it.
+                linear = linear.beyond(trial.r.norm());
+                step = linear.step(&trial.r);
+                taken = if is_last(step.norm()) { None } else { self.shortened(point, (&linear, &step), &trial)? };
             }
-            let Some((next, tried)) = self.shortened(point, (&linear, &step), &trial)? else {
-                if size < rounding {
+            let size = step.norm();
+            match taken {
+                Some((next, tried)) => (*point, trial, before) = (next, tried, size),
+                None if size <= least || size < rounding => {
                     return Ok(Solution { point: point.clone(), trial, linear, steps, last: size });
                 }
-                return Err(self.stuck(point, &trial));
-            };
-            (*point, trial, before) = (next, tried, size);
+                None => return Err(self.stuck(point, &trial)),
+            }
         }
         Err(self.stuck(point, &trial))
     }
