@@ -1,4 +1,4 @@
-//! Sweeps that end before their time, as processes.
+//! Commands that end before their time, as processes.
 #![cfg(unix)]
 
 use std::fs;
@@ -80,4 +80,54 @@ fn a_sweep_that_was_killed_is_continued_after_its_last_whole_row() {
     part.truncate(part.len() - 30);
     fs::write(&table, part).expect("a table");
     continued(&table, &whole);
+}
+
+/// A command that a shell has begun in the background, where Ctrl-C is ignored unless the program heeds it, as soon as it does.
+#[cfg(target_os = "linux")]
+fn in_background(arguments: &[&str]) -> Child {
+    let mut command = Command::new("sh");
+    command.args(["-c", "trap '' INT; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_dalembert")]).args(arguments);
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program");
+    let status = format!("/proc/{}/status", child.id());
+    // The second bit of what is caught is that of SIGINT.
+    let heeds = |text: String| {
+        let caught = text.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+        caught.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).is_some_and(|mask| mask & 2 != 0)
+    };
+    let late = Instant::now() + Duration::from_secs(60);
+    while !fs::read_to_string(&status).is_ok_and(heeds) {
+        assert!(Instant::now() < late, "{arguments:?} does not heed it");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    child
+}
+
+/// Each would take minutes, or hours.
+#[test]
+#[cfg(target_os = "linux")]
+fn searches_and_charts_went_on_after_ctrl_c() {
+    let folder = folder("searches");
+    let [plot, csv] = ["chart.svg", "chart.csv"].map(|name| folder.join(name).to_string_lossy().into_owned());
+    let long = ["--until", "1e5", "--max-steps", "1000000000000"];
+    let of = |list: &[&'static str]| -> Vec<String> { list.iter().chain(&long).map(|x| (*x).to_owned()).collect() };
+    let mut chart = of(&["chart", "double_pendulum"]);
+    chart.extend(["--plot".to_owned(), plot, "--csv".to_owned(), csv]);
+    let mut needs = of(&["needs", "double_pendulum"]);
+    needs.truncate(4);
+    let map = "Omega=50..500:100,A=0.01..0.1:100";
+    for words in [
+        of(&["solve", "double_pendulum", "--unknown", "theta1=1", "--such-that", "theta2=0"]),
+        of(&["orbit", "double_pendulum", "--period", "1e5"]),
+        ["orbit", "double_pendulum", "--from", "mode 1", "--vary", "energy=..40"].map(str::to_owned).to_vec(),
+        ["orbit", "shaken_pendulum", "--map", map].map(str::to_owned).to_vec(),
+        chart,
+        needs,
+    ] {
+        let words: Vec<&str> = words.iter().map(String::as_str).collect();
+        let child = in_background(&words);
+        assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill").success());
+        let output = child.wait_with_output().expect("its end");
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(1) && told.contains("interrupted"), "{words:?}: {told}");
+    }
 }

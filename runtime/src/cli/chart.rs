@@ -13,6 +13,7 @@ use super::{Context, Problem, needs, outputs};
 use crate::mechanism::{Description, Interpreted, Method, System};
 use crate::needs::Needs;
 use crate::precision::{Candidate, Convergence, DoubleOnly, Fidelity, Plan, Reference, WorkPrecision};
+use crate::simulate::Interruption;
 use crate::{Error, Settings};
 
 /// Measures every method that suits, and every way of treating constraints; prints a table and what follows from it, and
@@ -27,8 +28,9 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
         options.get_one::<String>(option).cloned().unwrap_or_else(|| format!("{}-{kind}.{ending}", loaded.name))
     });
     outputs::check_paths(["plot", "csv"].into_iter().zip(files.iter().map(String::as_str)), &loaded.path)?;
-    let reduced = if by_steps { None } else { reduced(&mut loaded, options)? };
-    let settings = set_up(&mut loaded, options)?;
+    let interruption = Interruption::from(context.interruption());
+    let reduced = if by_steps { None } else { reduced(&mut loaded, options, &interruption)? };
+    let settings = Settings { interruption: interruption.clone(), ..set_up(&mut loaded, options)? };
     for warning in &loaded.warnings {
         eprintln!("warning: {warning}");
     }
@@ -39,10 +41,11 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
         let candidates = methods(&loaded, &settings, options, Candidate::fixed_steps)?;
         let plan = Plan { columns, ..Plan::default() };
         let model = interpreted(&loaded, options);
-        let found = said(|progress| {
+        let found = said(&interruption, |progress| {
             Convergence::measure_extended(&candidates, &plan, model.as_ref().map_err(|why| *why), progress)
         })?;
-        return steps::report(&found, &files, options.get_flag("json"), (table, out));
+        steps::report(&found, &files, options.get_flag("json"), (table, out))?;
+        return unless_broken_off(&interruption);
     }
     let twin = options
         .get_one::<String>("twin")
@@ -58,14 +61,19 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
         ways.push(Candidate::new(
             name,
             &*system,
-            Settings { method: Method::Dop853, until: ways[0].settings.until, ..settings },
+            Settings {
+                method: Method::Dop853,
+                until: ways[0].settings.until,
+                interruption: interruption.clone(),
+                ..settings
+            },
         ));
     }
     let plan = Plan { columns, ..Plan::default() };
     let model = interpreted(&loaded, options);
-    let mut measured = vec![measure(&methods, &plan, &model)?];
-    if !ways.is_empty() {
-        let mut found = measure(&ways, &plan, &model)?;
+    let mut measured = vec![measure(&methods, &plan, &model, &interruption)?];
+    if !ways.is_empty() && !interruption.is_asked() {
+        let mut found = measure(&ways, &plan, &model, &interruption)?;
         found.title = format!("{}: formulations, by dop853", found.title);
         measured.push(found);
     }
@@ -77,11 +85,21 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
         writeln!(out, "what the scene can do without:\n{sentence}")?;
     }
     let fidelity = reduced.and_then(Result::ok).map(|found| found.fidelity());
-    write_files(&measured, fidelity.as_ref(), &files, (table, out))
+    write_files(&measured, fidelity.as_ref(), &files, (table, out))?;
+    unless_broken_off(&interruption)
+}
+
+/// Says that what was written is not all that was wanted.
+fn unless_broken_off(interruption: &Interruption) -> Result<(), Problem> {
+    if interruption.is_asked() { Err(Problem::Run("interrupted".to_owned())) } else { Ok(()) }
 }
 
 /// What the scene can do without, or why that is not known; `None` where neither the options nor the file say what it is run for.
-fn reduced(loaded: &mut Loaded, options: &ArgMatches) -> Result<Option<Result<Needs, String>>, Problem> {
+fn reduced(
+    loaded: &mut Loaded,
+    options: &ArgMatches,
+    interruption: &Interruption,
+) -> Result<Option<Result<Needs, String>>, Problem> {
     let asked = ["needs", "within"].iter().any(|option| options.contains_id(option));
     if !asked && !needs::is_said(loaded, options) {
         return Ok(None);
@@ -90,7 +108,8 @@ fn reduced(loaded: &mut Loaded, options: &ArgMatches) -> Result<Option<Result<Ne
         true => Err(Problem::usage(
             "what can be left out is found with the inputs of the file; write the input there, or leave --input out",
         )),
-        false => needs::request(loaded, options).and_then(|request| needs::find(&request, loaded)),
+        false => needs::request(loaded, options)
+            .and_then(|request| needs::find(&request, interruption).map_err(|error| needs::problem(error, loaded))),
     };
     match found {
         Ok(found) => Ok(Some(Ok(found))),
@@ -182,19 +201,23 @@ fn measure(
     candidates: &[Candidate],
     plan: &Plan,
     model: &Result<Interpreted, DoubleOnly>,
+    interruption: &Interruption,
 ) -> Result<WorkPrecision, Problem> {
     let extended = |first: &Candidate, found: Reference| found.extended(first, model.as_ref().map_err(|why| *why));
-    said(|progress| WorkPrecision::against(candidates, plan, extended, progress))
+    said(interruption, |progress| WorkPrecision::against(candidates, plan, extended, progress))
 }
 
 /// Measures while a terminal says whose turn it is.
-fn said<T>(measure: impl FnOnce(&mut dyn FnMut(&str) -> ControlFlow<()>) -> Result<T, Error>) -> Result<T, Problem> {
+fn said<T>(
+    interruption: &Interruption,
+    measure: impl FnOnce(&mut dyn FnMut(&str) -> ControlFlow<()>) -> Result<T, Error>,
+) -> Result<T, Problem> {
     let shown = std::io::stderr().is_terminal();
     let found = measure(&mut |name| {
         if shown {
             eprint!("\r{name}\x1b[K");
         }
-        ControlFlow::Continue(())
+        if interruption.is_asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     if shown {
         eprint!("\r\x1b[K");

@@ -15,6 +15,7 @@ use super::{Context, Problem, outputs, value_files};
 use crate::needs::{Deviation, ModelReduction, Need, Needs, NeedsError, NeedsRequest, Proposal, Verdict};
 use crate::precision::Verified;
 use crate::run::plain;
+use crate::simulate::Interruption;
 
 /// Tries every ingredient of a model, prints what a scene does without, and writes the smaller file.
 pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
@@ -28,13 +29,17 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     let files = files.into_iter().filter_map(|(option, path)| Some((option, path?.as_str())));
     outputs::check_paths(files, &loaded.path)?;
     let request = request(&mut loaded, options)?;
-    let found = find(&request, &loaded)?;
     let said = options.get_flag("json");
-    if said {
-        json::write(&as_json(&found), out)?;
-    } else {
-        write!(out, "{}", found.table())?;
-    }
+    let found = match find(&request, &context.interruption().into()) {
+        Ok(found) => found,
+        Err(error) => {
+            if let NeedsError::Interrupted { so_far: Some(found) } = &error {
+                print(found, said, out)?;
+            }
+            return Err(problem(error, &loaded));
+        }
+    };
+    print(&found, said, out)?;
     let mut written = Vec::new();
     if let Some(path) = options.get_one::<String>("plot") {
         outputs::draw(path, found.chart())?;
@@ -60,23 +65,43 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     Ok(())
 }
 
+/// The table, or data.
+fn print(found: &Needs, as_data: bool, out: &mut dyn Write) -> Result<(), Problem> {
+    if as_data {
+        json::write(&as_json(found), out)?;
+    } else {
+        write!(out, "{}", found.table())?;
+    }
+    Ok(())
+}
+
 /// Tries every ingredient, and names each on a terminal.
-pub fn find(request: &NeedsRequest, loaded: &Loaded) -> Result<Needs, Problem> {
+///
+/// # Errors
+/// As [`Needs::find`].
+pub fn find(request: &NeedsRequest, interruption: &Interruption) -> Result<Needs, NeedsError> {
     let shown = std::io::stderr().is_terminal();
-    let found = Needs::find(request, &mut |name| {
+    let found = Needs::find_until(request, interruption, &mut |name| {
         if shown {
             eprint!("\r{name}\x1b[K");
         }
-        ControlFlow::Continue(())
+        if interruption.is_asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     if shown {
         eprint!("\r\x1b[K");
     }
-    found.map_err(|error| match error {
+    found
+}
+
+/// What is told of a question that has no answer.
+pub fn problem(error: NeedsError, loaded: &Loaded) -> Problem {
+    match error {
         NeedsError::Model { problems } => loaded.problem(&problems),
-        NeedsError::Fails { .. } | NeedsError::NotKnown { .. } => Problem::Run(error.to_string()),
+        NeedsError::Fails { .. } | NeedsError::NotKnown { .. } | NeedsError::Interrupted { .. } => {
+            Problem::Run(error.to_string())
+        }
         other => Problem::usage(other),
-    })
+    }
 }
 
 /// Whether the file says what the scene is run for.

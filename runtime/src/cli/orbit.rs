@@ -33,19 +33,26 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
         if let Some(path) = options.get_one::<String>("plot") {
             outputs::draw(path, family.figure())?;
         }
-        return families::report(&loaded, &family, options, out);
+        families::report(&loaded, &family, options, out)?;
+        return unless_broken_off(family.interrupted);
     }
     if let Some(text) = options.get_one::<String>("map") {
         let map = mapped(search, &loaded, text)?;
         if let Some(path) = options.get_one::<String>("plot") {
             outputs::draw(path, map.figure())?;
         }
-        return stability_maps::report(&loaded, &map, options, out);
+        stability_maps::report(&loaded, &map, options, out)?;
+        return unless_broken_off(map.interrupted);
     }
     match search.find() {
         Ok(orbit) => report(&loaded, &orbit, options, out),
         Err(error) => Err(problem(&error)),
     }
+}
+
+/// Says that what was printed is not all that was wanted.
+fn unless_broken_off(interrupted: bool) -> Result<(), Problem> {
+    if interrupted { Err(Problem::Run("interrupted".to_owned())) } else { Ok(()) }
 }
 
 /// With what a motion of the file says.

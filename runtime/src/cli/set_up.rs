@@ -331,6 +331,7 @@ pub fn for_search(context: Context<'_>, options: &ArgMatches, files: &[&str]) ->
     let mut loaded = Loaded::find(context, options)?;
     outputs::check(options, files, &loaded.path)?;
     let mut settings = set_up(&mut loaded, options)?;
+    settings.interruption = context.interruption().into();
     set_method(&mut settings, options)?;
     for warning in &loaded.warnings {
         eprintln!("warning: {warning}");

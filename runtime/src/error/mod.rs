@@ -184,13 +184,26 @@ impl Error {
         }
     }
 
-    /// Whether a run ended since it took more steps than this limit.
-    pub(crate) fn takes_more_steps_than(&self, most: u64) -> bool {
-        let cause = match self {
+    /// Why a run, with slopes or without, ended early.
+    fn ended_by(&self) -> Option<&Cause> {
+        match self {
             Error::NoSlopes(why) => why.cause(),
             error => error.cause(),
-        };
-        let limit = match cause {
+        }
+    }
+
+    /// Whether a run, or a search, was ended from outside.
+    pub(crate) fn is_interruption(&self) -> bool {
+        match self {
+            Error::NoOrbit(why) => matches!(**why, NoOrbit::Interrupted { .. }),
+            Error::NotFound(why) => matches!(**why, NotFound::Interrupted { .. }),
+            error => matches!(error.ended_by(), Some(Cause::Interrupted)),
+        }
+    }
+
+    /// Whether a run ended since it took more steps than this limit.
+    pub(crate) fn takes_more_steps_than(&self, most: u64) -> bool {
+        let limit = match self.ended_by() {
             Some(Cause::TooManySteps { limit } | Cause::NeedsMoreSteps { limit, .. }) => Some(*limit),
             _ => None,
         };

@@ -95,6 +95,11 @@ pub enum NoOrbit {
         /// After so many steps it was given up.
         steps: u64,
     },
+    /// The search was broken off.
+    Interrupted {
+        /// The start that it had come to.
+        start: Vec<(String, f64)>,
+    },
     /// A family turns so sharply that no step is short enough.
     TurnsSharply,
     /// No family of such motions can be followed by this.
@@ -189,6 +194,7 @@ impl fmt::Display for NoOrbit {
                 "a trial leads somewhere else, or chatters: it takes more than {steps} steps, which are many times those of the motion that it \
                  began with; begin nearer to a motion that closes"
             ),
+            NoOrbit::Interrupted { start } => write!(f, "interrupted; the search had come to {}", Listed(start)),
             NoOrbit::TurnsSharply => f.write_str("the family turns too sharply to be followed"),
             NoOrbit::NoFamily { name } => write!(f, "the motion belongs to no family that can be followed by `{name}`"),
             NoOrbit::NoThreshold { number, known } => {

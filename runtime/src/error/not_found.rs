@@ -43,6 +43,11 @@ pub enum NotFound {
         /// After so many steps it was given up.
         steps: u64,
     },
+    /// The search was broken off.
+    Interrupted {
+        /// The unknowns that it had come to.
+        values: Vec<(String, f64)>,
+    },
     /// Conditions cannot be met together.
     Contradictory {
         /// What they are missed by at the least.
@@ -99,6 +104,7 @@ impl fmt::Display for NotFound {
                 "a trial leads somewhere else, or chatters: it takes more than {steps} steps, which are many times those of the first; begin \
                  with another guess"
             ),
+            NotFound::Interrupted { values } => write!(f, "interrupted; the search had come to {}", Listed(values)),
             NotFound::Contradictory { residuals, values } => write!(
                 f,
                 "the conditions cannot be met together near by: at {} they are missed by {}",

@@ -63,7 +63,7 @@ pub(super) fn find(
         if size <= 1e-13 || size < rounding && size > 0.5 * before {
             return finish(seeker, (values, now, step), (*column, name, sign), &scales, steps);
         }
-        let Some((next, tried)) = shortened(seeker, &values, (&now, &hessian, &step), (*column, sign), &scales) else {
+        let Some((next, tried)) = shortened(seeker, &values, (&now, &hessian, &step), (*column, sign), &scales)? else {
             if size < rounding {
                 return finish(seeker, (values, now, step), (*column, name, sign), &scales, steps);
             }
@@ -154,7 +154,7 @@ fn shortened(
     (now, hessian, taken): (&Place, &DMatrix<f64>, &Step),
     (column, sign): (usize, f64),
     scales: &[f64],
-) -> Option<(Vec<f64>, Place)> {
+) -> Result<Option<(Vec<f64>, Place)>, Error> {
     let mut part = 1.0;
     (seeker.fault, seeker.other_event) = (None, None);
     let rounding = seeker.source.settings.tolerance * now.trial.size(column).max(now.value.abs());
@@ -162,7 +162,7 @@ fn shortened(
         let way = part * &taken.x;
         let next: Vec<f64> =
             values.iter().zip(scales).zip(way.iter()).map(|((x, scale), step)| x + scale * step).collect();
-        if let Ok(trial) = seeker.try_at(&next)
+        if let Some(trial) = seeker.unless_broken_off(&next, values)?
             && trial.varied.agrees(&now.trial.varied)
         {
             let tried = place(seeker, trial, column, sign, scales);
@@ -173,12 +173,12 @@ fn shortened(
                 step(&tried, hessian).x.norm() <= (1.0 - 0.5 * part) * taken.x.norm()
             };
             if better {
-                return Some((next, tried));
+                return Ok(Some((next, tried)));
             }
         }
         part *= 0.5;
     }
-    None
+    Ok(None)
 }
 
 fn finish(

@@ -51,6 +51,12 @@ impl Linearised {
         self
     }
 
+    /// Without the directions that change no more than this.
+    pub fn beyond(mut self, least: f64) -> Linearised {
+        self.rank = self.sigma.iter().take(self.rank).filter(|sigma| **sigma > least).count();
+        self
+    }
+
     /// How many directions change something.
     pub fn rank(&self) -> usize {
         self.rank

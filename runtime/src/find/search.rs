@@ -247,10 +247,14 @@ impl Seeker {
     pub fn try_at(&mut self, values: &[f64]) -> Result<Trial, Error> {
         self.runs += 1;
         let tried = self.source.try_at(values);
-        if let Err(Error::NoSlopes(why)) = &tried {
-            self.fault = Some(why.clone());
+        match tried {
+            Err(error) if error.is_interruption() => Err(NotFound::Interrupted { values: self.named(values) }.into()),
+            Err(Error::NoSlopes(why)) => {
+                self.fault = Some(why.clone());
+                Err(Error::NoSlopes(why))
+            }
+            tried => tried,
         }
-        tried
     }
 
     /// c = value − wanted of all conditions, in units of what is wanted or of what the motion makes of them, with the slopes.
@@ -320,7 +324,7 @@ impl Seeker {
             if size <= LEAST || stagnates || slow >= IN_A_ROW && rounding {
                 return Ok(Solution { values, equations: now, linear, steps });
             }
-            let taken = self.shortened(&values, scales, (&linear, &step, &now.trial.varied), equations);
+            let taken = self.shortened(&values, scales, (&linear, &step, &now.trial.varied), equations)?;
             let Some((next, tried)) = taken else {
                 // Where a whole step changes nothing any more, rounding is all that is left of it.
                 if size <= tolerance.sqrt() || rounding {
@@ -342,27 +346,38 @@ impl Seeker {
         scales: &[f64],
         (linear, step, now): (&Linearised, &DVector<f64>, &Varied),
         equations: &dyn Fn(&Seeker, Trial, &[f64]) -> Equations,
-    ) -> Option<(Vec<f64>, Equations)> {
+    ) -> Result<Option<(Vec<f64>, Equations)>, Error> {
         let (mut part, mut otherwise) = (1.0, None);
         (self.fault, self.other_event) = (None, None);
         for _ in 0..HALVES {
             let next: Vec<f64> =
                 values.iter().zip(scales).zip(step.iter()).map(|((x, scale), step)| x + part * scale * step).collect();
-            if let Ok(trial) = self.try_at(&next) {
+            if let Some(trial) = self.unless_broken_off(&next, values)? {
                 let same = trial.varied.agrees(now);
                 self.other_event = now.differs_by(&trial.varied).or(self.other_event.take());
                 let tried = equations(self, trial, scales);
                 let again = linear.step(&tried.r).norm();
                 if again <= (1.0 - 0.5 * part) * step.norm() {
                     if same {
-                        return Some((next, tried));
+                        return Ok(Some((next, tried)));
                     }
                     otherwise.get_or_insert((next, tried));
                 }
             }
             part *= 0.5;
         }
-        otherwise
+        Ok(otherwise)
+    }
+
+    /// A trial on the way from some values, where it leads anywhere.
+    ///
+    /// # Errors
+    /// [`NotFound::Interrupted`].
+    pub fn unless_broken_off(&mut self, tried: &[f64], from: &[f64]) -> Result<Option<Trial>, Error> {
+        match self.try_at(tried) {
+            Err(error) if error.is_interruption() => Err(NotFound::Interrupted { values: self.named(from) }.into()),
+            tried => Ok(tried.ok()),
+        }
     }
 
     /// What the conditions are missed by.

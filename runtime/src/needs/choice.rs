@@ -91,7 +91,7 @@ pub(super) fn choose(
     let mut members = greedy(full, reductions, all);
     for _ in 0..=RETRIES {
         if progress("what goes together").is_break() {
-            return Err(NeedsError::Interrupted);
+            return Err(NeedsError::Interrupted { so_far: None });
         }
         if members.is_empty() {
             break;

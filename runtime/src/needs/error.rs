@@ -4,6 +4,8 @@ use std::fmt;
 
 use dalembert_symbolic::diagnose::Problem;
 
+use super::Needs;
+
 /// Why there is no answer.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
@@ -54,7 +56,10 @@ pub enum NeedsError {
         within: f64,
     },
     /// The search was broken off.
-    Interrupted,
+    Interrupted {
+        /// What was found until then, without what goes together; `None` where the full model had not been judged yet.
+        so_far: Option<Box<Needs>>,
+    },
 }
 
 impl fmt::Display for NeedsError {
@@ -97,7 +102,7 @@ impl fmt::Display for NeedsError {
                 "two runs of the full model differ by {known:.1e} of ranges, which is too much to judge deviations of {within:.0e}; \
                  ask for less, or end the scene earlier"
             ),
-            NeedsError::Interrupted => f.write_str("interrupted"),
+            NeedsError::Interrupted { .. } => f.write_str("interrupted"),
         }
     }
 }

@@ -14,7 +14,7 @@ use super::{Need, NeedsError, NeedsRequest};
 use crate::constrain::Projection;
 use crate::mechanism::{Interpreted, System};
 use crate::precision::{Verified, WorkUnits};
-use crate::simulate::{Settings, simulate};
+use crate::simulate::{Interruption, Settings, simulate};
 
 /// The full model's answer.
 pub(super) struct Full {
@@ -69,7 +69,7 @@ pub(super) const MOST_GROWTH: f64 = 1e4;
 pub(super) const MOST_COORDINATES: usize = 24;
 
 impl Full {
-    pub fn run(request: &NeedsRequest, need: Need) -> Result<Full, NeedsError> {
+    pub fn run(request: &NeedsRequest, need: Need, interruption: &Interruption) -> Result<Full, NeedsError> {
         let amount = need.absolute.iter().find(|(_, amount)| !(*amount > 0.0 && amount.is_finite()));
         if let Some((_, within)) = amount {
             return Err(NeedsError::BadNeed { within: *within });
@@ -95,7 +95,7 @@ impl Full {
         let named: Vec<String> = named.collect();
         need.outputs.extend(named);
         let not_depended_on = not_depended_on(&program, &need.outputs);
-        let (system, settings) = set(program.clone(), source, scene.as_deref())?;
+        let (system, settings) = set(program.clone(), source, scene.as_deref(), interruption)?;
         need.absolute = amounts(&*system, &need.absolute)?;
         need.outputs = columns(&*system, &need.outputs)?;
         let tolerance = (BELOW * need.within).min(TIGHT);
@@ -350,6 +350,7 @@ pub(super) fn set(
     program: Program,
     source: &str,
     scene: Option<&str>,
+    interruption: &Interruption,
 ) -> Result<(Box<dyn System>, Settings), NeedsError> {
     let mut system = Interpreted::new(program, source);
     let place = match scene {
@@ -366,7 +367,7 @@ pub(super) fn set(
     for (index, value) in system.scene_parameters(place) {
         system.set_parameter(index, value);
     }
-    let settings = Settings::of_scene(&system, place);
+    let settings = Settings { interruption: interruption.clone(), ..Settings::of_scene(&system, place) };
     Ok((Box::new(system), settings))
 }
 

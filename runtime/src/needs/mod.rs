@@ -48,6 +48,7 @@ use dalembert_symbolic::model;
 use full::Full;
 
 use crate::precision::Verified;
+use crate::simulate::Interruption;
 
 /// What is wanted of a scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -161,6 +162,8 @@ pub struct Needs {
     sizes: Vec<(String, i64)>,
     /// At how many times runs were compared.
     times: usize,
+    /// Whether what goes together was not found.
+    broken_off: bool,
 }
 
 /// Where a file says nothing else.
@@ -255,32 +258,35 @@ impl Needs {
         request: &NeedsRequest,
         progress: &mut dyn FnMut(&str) -> ControlFlow<()>,
     ) -> Result<Needs, NeedsError> {
-        let full = Full::run(request, request.need()?)?;
-        let mut reductions: Vec<ModelReduction> = Vec::new();
-        if full.promised_until.is_none() {
-            for proposal in candidate::candidates(&full) {
-                if reduction::is_climbed(&reductions, &proposal) {
-                    continue;
-                }
-                if progress(&proposal.ingredient).is_break() {
-                    return Err(NeedsError::Interrupted);
-                }
-                let tried = reduction::tried(&full, proposal);
-                match reductions.last_mut() {
-                    // The same coordinate held elsewhere.
-                    Some(last) if reduction::are_alternatives(last, &tried) => {
-                        *last = reduction::better(last.clone(), tried)
-                    }
-                    _ => reductions.push(tried),
-                }
+        Needs::find_until(request, &Interruption::default(), progress)
+    }
+
+    /// The same, which something else may break off too, within a run.
+    pub(crate) fn find_until(
+        request: &NeedsRequest,
+        interruption: &Interruption,
+        progress: &mut dyn FnMut(&str) -> ControlFlow<()>,
+    ) -> Result<Needs, NeedsError> {
+        let full = Full::run(request, request.need()?, interruption);
+        if interruption.is_asked() {
+            return Err(NeedsError::Interrupted { so_far: None });
+        }
+        let full = full?;
+        let mut found = Needs::of(&full);
+        let tried = found.try_all(&full, request.all, progress);
+        found.reductions.sort_by(|a, b| b.saving.total_cmp(&a.saving));
+        match tried {
+            Err(NeedsError::Interrupted { .. }) => {
+                (found.choice, found.broken_off) = (None, true);
+                Err(NeedsError::Interrupted { so_far: Some(Box::new(found)) })
             }
+            tried => tried.map(|()| found),
         }
-        reduction::predict_by_ladders(&mut reductions);
-        let choice = choice::choose(&full, &reductions, request.all, progress)?;
-        if full.promised_until.is_none() {
-            reductions.extend(choice::looser(&full));
-        }
-        let mut found = Needs {
+    }
+
+    /// Of a scene of which nothing was tried yet.
+    fn of(full: &Full) -> Needs {
+        Needs {
             name: full.name().to_owned(),
             scene: full.scene.clone(),
             need: full.need.clone(),
@@ -293,12 +299,51 @@ impl Needs {
             exact_tolerance: full.tolerance,
             evaluation: full.evaluation(),
             full: full.by_tolerance(),
-            reductions,
-            choice,
+            reductions: Vec::new(),
+            choice: None,
             sizes: full.sizes.clone(),
             times: full.times,
+            broken_off: false,
+        }
+    }
+
+    /// Tries every ingredient, then what goes together.
+    fn try_all(
+        &mut self,
+        full: &Full,
+        all: bool,
+        progress: &mut dyn FnMut(&str) -> ControlFlow<()>,
+    ) -> Result<(), NeedsError> {
+        let unless_asked = || match full.settings.interruption.is_asked() {
+            true => Err(NeedsError::Interrupted { so_far: None }),
+            false => Ok(()),
         };
-        found.reductions.sort_by(|a, b| b.saving.total_cmp(&a.saving));
-        Ok(found)
+        if full.promised_until.is_none() {
+            for proposal in candidate::candidates(full) {
+                if reduction::is_climbed(&self.reductions, &proposal) {
+                    continue;
+                }
+                if progress(&proposal.ingredient).is_break() {
+                    return Err(NeedsError::Interrupted { so_far: None });
+                }
+                let tried = reduction::tried(full, proposal);
+                // A run that was broken off says nothing of its ingredient.
+                unless_asked()?;
+                match self.reductions.last_mut() {
+                    // The same coordinate held elsewhere.
+                    Some(last) if reduction::are_alternatives(last, &tried) => {
+                        *last = reduction::better(last.clone(), tried)
+                    }
+                    _ => self.reductions.push(tried),
+                }
+            }
+        }
+        reduction::predict_by_ladders(&mut self.reductions);
+        self.choice = choice::choose(full, &self.reductions, all, progress)?;
+        unless_asked()?;
+        if full.promised_until.is_none() {
+            self.reductions.extend(choice::looser(full));
+        }
+        Ok(())
     }
 }

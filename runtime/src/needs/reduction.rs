@@ -151,7 +151,8 @@ pub(super) fn answer(full: &Full, edits: &[Edit]) -> Result<Answer, String> {
     if linear && source(&full.source, &[Step::Key("balances".to_owned())]).is_some() {
         gone.push(("balances".to_owned(), "no forces and masses are left for them, only energies".to_owned()));
     }
-    let (system, settings) = set(program, &text, full.scene.as_deref()).map_err(|e| said(&e))?;
+    let (system, settings) =
+        set(program, &text, full.scene.as_deref(), &full.settings.interruption).map_err(|e| said(&e))?;
     Ok(Answer { text, gone, system, settings })
 }
 

@@ -63,6 +63,9 @@ impl Needs {
 
     /// What the scene does without, in words.
     pub fn sentence(&self) -> String {
+        if self.broken_off {
+            return "what goes together was not found\n".to_owned();
+        }
         let Some(choice) = &self.choice else {
             return format!("the full model is the cheapest that serves ({} operations)\n", count(self.operations));
         };

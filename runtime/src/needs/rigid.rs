@@ -279,7 +279,7 @@ pub(super) fn predicted(full: &Full, rigid: &Rigid, answer: &Answer) -> Option<P
     let text = with(&text, "outputs", "constraints", &pull, &scalar(&format!("reaction({})", rigid.label)))?;
     let text = with(&text, "inputs", "coordinates", &gives, "0 m")?;
     let program = full.compiled(&text).ok()?;
-    let (mut system, settings) = set(program, &text, full.scene.as_deref()).ok()?;
+    let (mut system, settings) = set(program, &text, full.scene.as_deref(), &full.settings.interruption).ok()?;
     let input = system.description().inputs.iter().position(|name| **name == gives)?;
     let columns: Vec<String> = full.need.outputs.iter().cloned().chain([pull]).collect();
     let still = Motion::of((&*system, &settings), (full.tolerance, TIMES), (&columns, &full.instants)).ok()?;

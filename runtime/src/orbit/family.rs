@@ -28,6 +28,8 @@ pub struct Family {
     pub map: String,
     /// Why the walk ended before it was where it was to go.
     pub ended: Option<String>,
+    /// Whether it was broken off from outside.
+    pub interrupted: bool,
 }
 
 /// A motion of a family.
@@ -128,7 +130,7 @@ impl OrbitSearch {
         walk.nullity = Some(start.solution.linear.free().len());
         let goal = values.last().copied().unwrap_or(first);
         let (family, thresholds) = walk.along(Walk::towards(start, goal), name, values);
-        let Some(number) = branch else { return Ok(family) };
+        let Some(number) = branch.filter(|_| !family.interrupted) else { return Ok(family) };
         match number.checked_sub(1).and_then(|k| thresholds.get(k)) {
             Some((node, kind)) => {
                 let start = walk.switch(node, *kind, values)?;

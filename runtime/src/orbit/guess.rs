@@ -246,7 +246,10 @@ pub(super) fn sizes(run: &Run) -> Vec<f64> {
     let range = |i: usize| {
         let values = run.rows.chunks_exact(2 * n).map(|row| row[i]);
         let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
-        (high - low, high.abs().max(low.abs()))
+        // Rounding of a number of a quaternion is that of its length, which is 1.
+        let is_of_rotation =
+            run.description.rotations.iter().any(|first| (*first as usize..*first as usize + 4).contains(&i));
+        (high - low, high.abs().max(low.abs()).max(f64::from(u8::from(is_of_rotation))))
     };
     // What moves by no more than rounding rests, and so does its rate.
     let rests = |i: usize| {

@@ -357,7 +357,12 @@ impl Laps {
     /// # Errors
     /// As [`Laps::solve`].
     pub fn solve_to(&mut self, guess: Point, free: Option<usize>, least: f64) -> Result<Solution, Error> {
-        let solution = self.newton(guess, free, least)?;
+        let mut point = guess;
+        let found = self.newton(&mut point, free, least);
+        let solution = found.map_err(|error| match error.is_interruption() {
+            true => NoOrbit::Interrupted { start: self.start_of(&point) }.into(),
+            false => error,
+        })?;
         self.steps = self.steps.max(most_steps(&solution.trial.pieces));
         if self.time == Time::Event && self.drive != Drive::None {
             let mut pieces = solution.trial.pieces.iter();
@@ -368,10 +373,10 @@ impl Laps {
         Ok(solution)
     }
 
-    fn newton(&mut self, guess: Point, free: Option<usize>, least: f64) -> Result<Solution, Error> {
+    /// The same from a point, which is left where the steps end.
+    fn newton(&mut self, point: &mut Point, free: Option<usize>, least: f64) -> Result<Solution, Error> {
         let tolerance = self.settings.tolerance;
-        let mut point = guess;
-        let mut trial = self.try_at(&point, tolerance)?;
+        let mut trial = self.try_at(point, tolerance)?;
         let mut before = f64::INFINITY;
         let linearised = |trial: &Trial| {
             let linear = Linearised::new(&trial.j);
@@ -380,31 +385,42 @@ impl Laps {
                 None => linear,
             }
         };
+        let rounding = tolerance.sqrt();
         for steps in 0..STEPS {
-            let linear = linearised(&trial);
-            let step = linear.step(&trial.r);
-            let size = step.norm();
-            let rounding = tolerance.sqrt();
-            if size <= least || size < rounding && size > 0.5 * before {
-                return Ok(Solution { point, trial, linear, steps, last: size });
+            let mut linear = linearised(&trial);
+            let mut step = linear.step(&trial.r);
+            let is_last = |size: f64| size <= least || size < rounding && size > 0.5 * before;
+            let mut taken = if is_last(step.norm()) { None } else { self.shortened(point, (&linear, &step), &trial)? };
+            if taken.is_none() && step.norm() >= rounding && free.is_none() {
+                // Directions in which nothing changes at the motion change by as little as the guess misses it.
+                linear = linear.beyond(trial.r.norm());
+                step = linear.step(&trial.r);
+                taken = if is_last(step.norm()) { None } else { self.shortened(point, (&linear, &step), &trial)? };
             }
-            let Some((next, tried)) = self.shortened(&point, (&linear, &step), &trial) else {
-                if size < rounding {
-                    return Ok(Solution { point, trial, linear, steps, last: size });
+            let size = step.norm();
+            match taken {
+                Some((next, tried)) => (*point, trial, before) = (next, tried, size),
+                None if size <= least || size < rounding => {
+                    return Ok(Solution { point: point.clone(), trial, linear, steps, last: size });
                 }
-                return Err(self.stuck(&point, &trial));
-            };
-            (point, trial, before) = (next, tried, size);
+                None => return Err(self.stuck(point, &trial)),
+            }
         }
-        Err(self.stuck(&point, &trial))
+        Err(self.stuck(point, &trial))
+    }
+
+    /// The state at the start of a point, by its names.
+    fn start_of(&self, point: &Point) -> Vec<(String, f64)> {
+        let names = crate::run::Names::of(self.system.description()).columns();
+        names.into_iter().zip(point.starts[0].iter().copied()).collect()
     }
 
     fn stuck(&self, point: &Point, trial: &Trial) -> Error {
         let (n, description) = (self.n(), self.system.description());
         let missed = trial.r.iter().take(2 * n).zip(&self.scales).map(|(r, scale)| r * scale);
         let names = crate::run::Names::of(description).columns();
-        let residuals = names.iter().cloned().zip(missed).collect();
-        NoOrbit::Stuck { residuals, start: names.into_iter().zip(point.starts[0].iter().copied()).collect() }.into()
+        let residuals = names.into_iter().zip(missed).collect();
+        NoOrbit::Stuck { residuals, start: self.start_of(point) }.into()
     }
 
     /// The first of a step's halves that passes the same events and makes the next step shorter, or else the first that does only that.
@@ -415,23 +431,24 @@ impl Laps {
         point: &Point,
         (linear, step): (&Linearised, &DVector<f64>),
         now: &Trial,
-    ) -> Option<(Point, Trial)> {
+    ) -> Result<Option<(Point, Trial)>, Error> {
         let tolerance = self.settings.tolerance;
         let (mut part, mut otherwise) = (1.0, None);
         for _ in 0..HALVES {
             let next = self.moved(point, step, part);
-            if let Ok(tried) = self.try_at(&next, tolerance) {
-                let again = linear.step(&tried.r).norm();
-                if again <= (1.0 - 0.5 * part) * step.norm() {
+            match self.try_at(&next, tolerance) {
+                Ok(tried) if linear.step(&tried.r).norm() <= (1.0 - 0.5 * part) * step.norm() => {
                     if itinerary(&tried.pieces) == itinerary(&now.pieces) {
-                        return Some((next, tried));
+                        return Ok(Some((next, tried)));
                     }
                     otherwise.get_or_insert((next, tried));
                 }
+                Err(error) if error.is_interruption() => return Err(error),
+                _ => (),
             }
             part *= 0.5;
         }
-        otherwise
+        Ok(otherwise)
     }
 
     /// How long the motion takes until it is as it was, s.

@@ -32,6 +32,8 @@ pub struct StabilityMap {
     pub growth: Vec<f64>,
     /// Where a multiplier crosses the unit circle.
     pub boundaries: Vec<Boundary>,
+    /// Whether it was broken off from outside, after these rows.
+    pub interrupted: bool,
 }
 
 /// A curve on which a multiplier crosses the unit circle.
@@ -97,10 +99,10 @@ impl OrbitSearch {
         let solution = begun.first()?;
         let mut first = begun.smallest(solution)?.0.point;
         let laps = lcm(begun.laps.closing.order(), begun.laps.laps) / begun.laps.laps;
-        let mut map =
-            StabilityMap { names, values: [xs.to_vec(), ys.to_vec()], growth: Vec::new(), boundaries: Vec::new() };
+        let (values, boundaries) = ([xs.to_vec(), ys.to_vec()], Vec::new());
+        let mut map = StabilityMap { names, values, growth: Vec::new(), boundaries, interrupted: false };
         let mut open: Vec<usize> = Vec::new();
-        for y in ys {
+        for (rows, y) in ys.iter().enumerate() {
             begun.laps.system.set_parameter(places[1], *y);
             let mut row = Row { begun: &mut begun, across: places[0] };
             let found = row.fill(&first, xs);
@@ -113,6 +115,13 @@ impl OrbitSearch {
             };
             map.growth.extend(found.iter().map(growth));
             let crossings = row.crossings(&found);
+            if row.begun.laps.settings.interruption.is_asked() {
+                // What is left of the row is no map.
+                map.growth.truncate(rows * xs.len());
+                map.values[1].truncate(rows);
+                map.interrupted = true;
+                break;
+            }
             open = map.join(
                 &open,
                 crossings.into_iter().map(|(kind, x, error)| (kind, BoundaryPoint { x, y: *y, error })).collect(),

@@ -179,6 +179,7 @@ impl Walk {
             part: lcm(laps.closing.order(), laps.laps) / laps.laps,
             map: laps.closing.words(laps.system.description()),
             ended: None,
+            interrupted: false,
         };
         let mut changes = Vec::new();
         let mut node = start;
@@ -200,7 +201,8 @@ impl Walk {
             let next = match passed {
                 Ok(next) => next,
                 Err(why) => {
-                    family.ended = Some(why.to_string());
+                    family.interrupted = why.is_interruption();
+                    family.ended = Some(if family.interrupted { "interrupted".to_owned() } else { why.to_string() });
                     break;
                 }
             };
@@ -226,7 +228,7 @@ impl Walk {
             let tried = self.step(node, *h).and_then(|next| self.begun.at_rest(&next.solution).map(|()| next));
             match tried {
                 Ok(next) if next.tangent.dot(&node.tangent) >= ALONG => return Ok(next),
-                Err(error) if *h < SHORTEST => return Err(error),
+                Err(error) if *h < SHORTEST || error.is_interruption() => return Err(error),
                 Ok(_) if *h < SHORTEST => return Err(NoOrbit::TurnsSharply.into()),
                 _ => *h *= 0.5,
             }

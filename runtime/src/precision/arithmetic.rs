@@ -45,6 +45,8 @@ pub enum DoubleOnly {
         /// Evaluations of the accelerations that do not suffice.
         evaluations: u64,
     },
+    /// It was broken off.
+    Interrupted,
     /// It is further from the first method in `f64` than rounding explains.
     Differs {
         /// The method.
@@ -65,6 +67,7 @@ impl fmt::Display for DoubleOnly {
             DoubleOnly::Inputs => f.write_str("an input is not the file's"),
             DoubleOnly::Singular => f.write_str("the accelerations are not known somewhere"),
             DoubleOnly::TooLong { evaluations } => write!(f, "it takes more than {evaluations} evaluations"),
+            DoubleOnly::Interrupted => f.write_str("it was broken off"),
             DoubleOnly::Differs { from, by } => write!(f, "it differs from {from} by {by:.0e}"),
         }
     }

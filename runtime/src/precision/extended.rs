@@ -6,6 +6,7 @@ use super::extrapolation::{Extrapolation, Scheme};
 use super::{Arithmetic, Candidate, DoubleOnly, Reference};
 use crate::mechanism::{Action, ExtendedAt, Interpreted, System};
 use crate::run::Names;
+use crate::simulate::Interruption;
 
 /// The run whose values are taken, and the one that they are compared with.
 pub(super) const SCHEMES: [Scheme; 2] =
@@ -43,8 +44,9 @@ impl Reference {
         model: &Interpreted,
     ) -> Result<(Vec<Vec<DoubleDouble>>, Arithmetic), DoubleOnly> {
         let model = prepared(candidate, model)?;
-        let values = self.columns_of(&model, SCHEMES[0])?;
-        let others = self.columns_of(&model, SCHEMES[1])?;
+        let interruption = &candidate.settings.interruption;
+        let values = self.columns_of(&model, SCHEMES[0], interruption)?;
+        let others = self.columns_of(&model, SCHEMES[1], interruption)?;
         let agreement = self.difference(&values, |column, row| others[column][row]);
         let from_double = self.difference(&values, |column, row| self.values[column][row].into());
         if from_double > ROUNDED_ALIKE * self.floor() || agreement > self.floor() {
@@ -54,11 +56,16 @@ impl Reference {
     }
 
     /// What is compared, by one of these schemes.
-    fn columns_of(&self, model: &Interpreted, scheme: Scheme) -> Result<Vec<Vec<DoubleDouble>>, DoubleOnly> {
+    fn columns_of(
+        &self,
+        model: &Interpreted,
+        scheme: Scheme,
+        interruption: &Interruption,
+    ) -> Result<Vec<Vec<DoubleDouble>>, DoubleOnly> {
         let description = model.description();
         let n = description.coordinates.len();
         let start = self.start.iter().map(|value| (*value).into()).collect();
-        let states = motion(model, start, &self.times, &self.sizes, scheme)?;
+        let states = motion(model, start, (&self.times, &self.sizes), scheme, interruption)?;
         // As runs name them: coordinates, rates, outputs; then time.
         let mut names = Names::of(description).columns();
         names.push("t".to_owned());
@@ -129,9 +136,9 @@ fn prepared(candidate: &Candidate, model: &Interpreted) -> Result<Interpreted, D
 pub(super) fn motion(
     model: &Interpreted,
     start: Vec<DoubleDouble>,
-    times: &[f64],
-    sizes: &[f64],
+    (times, sizes): (&[f64], &[f64]),
     scheme: Scheme,
+    interruption: &Interruption,
 ) -> Result<Vec<Vec<DoubleDouble>>, DoubleOnly> {
     let n = model.len();
     let rates = |t: DoubleDouble, y: &[DoubleDouble], rates: &mut [DoubleDouble]| {
@@ -145,7 +152,7 @@ pub(super) fn motion(
         false => u64::from(counts.mass_and_bias) + (n as u64).pow(3) / 3,
     };
     let most = (MOST_OPERATIONS / operations.max(1)).min(MOST_EVALUATIONS);
-    Extrapolation { rates: &rates, scales: sizes, scheme, most }.through(start, times)
+    Extrapolation { rates: &rates, scales: sizes, scheme, most, interruption }.through(start, times)
 }
 
 fn accelerations(

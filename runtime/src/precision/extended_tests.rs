@@ -9,6 +9,7 @@ use super::extended::{SCHEMES, motion};
 use super::{Arithmetic, Candidate, DoubleOnly, Plan, Reference, WorkPrecision};
 use crate::Settings;
 use crate::mechanism::{Interpreted, Method, System};
+use crate::simulate::Interruption;
 
 /// A model file, interpreted.
 fn interpreted(text: &str) -> Interpreted {
@@ -51,7 +52,8 @@ fn distance(model: &Interpreted, start: &[DoubleDouble], file: &str, at: &[&str]
     let states: Vec<_> = states.filter(|state| number(state, "t").to_f64().fract() == 0.0).collect();
     let times = std::iter::once(0.0).chain(states.iter().map(|state| number(state, "t").to_f64()));
     let times: Vec<f64> = times.collect();
-    let computed = motion(model, start.to_vec(), &times, &vec![1.0; start.len()], SCHEMES[0]).unwrap();
+    let computed =
+        motion(model, start.to_vec(), (&times, &vec![1.0; start.len()]), SCHEMES[0], &Interruption::default()).unwrap();
     let pairs = states.iter().zip(&computed[1..]);
     let errors =
         pairs.flat_map(|(known, y)| at.iter().zip(y).map(|(name, y)| (*y - number(known, name)).to_f64().abs()));

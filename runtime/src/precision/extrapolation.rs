@@ -3,6 +3,7 @@
 use dalembert_symbolic::expr::DoubleDouble;
 
 use super::DoubleOnly;
+use crate::simulate::Interruption;
 
 /// f of y' = f(t, y), written into the last argument.
 pub(super) type Rates<'a> = &'a dyn Fn(DoubleDouble, &[DoubleDouble], &mut [DoubleDouble]) -> Result<(), DoubleOnly>;
@@ -24,6 +25,8 @@ pub(super) struct Extrapolation<'a> {
     pub scheme: Scheme,
     /// The most evaluations of f.
     pub most: u64,
+    /// What ends it early from outside.
+    pub interruption: &'a Interruption,
 }
 
 /// What an extrapolation does in a step.
@@ -44,7 +47,7 @@ impl Extrapolation<'_> {
     /// y at these times, the first of which is the start's.
     ///
     /// # Errors
-    /// f cannot be evaluated, or there would be too many evaluations.
+    /// f cannot be evaluated, or there would be too many evaluations; [`DoubleOnly::Interrupted`].
     pub fn through(&self, start: Vec<DoubleDouble>, times: &[f64]) -> Result<Vec<Vec<DoubleDouble>>, DoubleOnly> {
         let mut found = vec![start];
         let (mut longest, mut evaluations) = (f64::INFINITY, 0);
@@ -52,6 +55,9 @@ impl Extrapolation<'_> {
             let mut y = found[found.len() - 1].clone();
             let (mut t, end) = (DoubleDouble::from(span[0]), DoubleDouble::from(span[1]));
             while t < end {
+                if self.interruption.is_asked() {
+                    return Err(DoubleOnly::Interrupted);
+                }
                 let count = ((end - t).to_f64() / longest).ceil().max(1.0);
                 let h = (end - t) / count.into();
                 let done = self.step(t, h, &y, &mut evaluations)?;

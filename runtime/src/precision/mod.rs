@@ -177,7 +177,12 @@ fn measurements<C>(
         if progress(&candidate.name).is_break() {
             break;
         }
-        match measure(candidate, &found.reference) {
+        let measured = measure(candidate, &found.reference);
+        if candidate.settings.interruption.is_asked() {
+            // What is left of its curve is none.
+            break;
+        }
+        match measured {
             Ok(curve) => found.curves.push(curve),
             Err(error) => found.refused.push((candidate.name.clone(), unsuited(&error))),
         }

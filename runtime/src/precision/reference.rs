@@ -68,7 +68,7 @@ impl Reference {
         for (method, tolerance) in METHODS {
             match simulate(&mut *system, &exact(&candidate.settings, method, tolerance)) {
                 Ok(run) => runs.push(run),
-                Err(error @ Error::Run(_)) => failure = Some(error),
+                Err(error @ Error::Run(_)) if !error.is_interruption() => failure = Some(error),
                 Err(error) => return Err(error),
             }
             if let [first, second] = runs.as_slice() {

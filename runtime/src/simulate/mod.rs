@@ -14,6 +14,7 @@ mod close_calls;
 mod comparison;
 mod decoupled;
 mod flat;
+mod interruption;
 mod rounded_parameters;
 mod settings;
 #[cfg(test)]
@@ -30,6 +31,7 @@ pub(crate) use builder::{Described, Origin};
 pub(crate) use builder::{LAGRANGE, derivation};
 pub use by_hand::{StateMut, Stepping};
 pub(crate) use comparison::estimate_global_error;
+pub(crate) use interruption::Interruption;
 use settings::MOST_STEPS;
 #[cfg(feature = "cli")]
 pub(crate) use settings::Resumed;
@@ -65,6 +67,7 @@ pub fn simulate_with(
     progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Result<Run, Error> {
     let settings = &*settled(system, settings);
+    let progress = &mut |t| if settings.interruption.is_asked() { ControlFlow::Break(()) } else { progress(t) };
     let parts = decoupled::parts(system, settings)?;
     let outcome = if parts.is_empty() {
         together(system, settings, progress)

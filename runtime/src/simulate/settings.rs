@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::Interruption;
 use crate::cause::Cause;
 use crate::driver::Followed;
 use crate::error::{Error, Inseparable, Nonlinear};
@@ -94,6 +95,8 @@ pub struct Settings {
     pub(crate) ends_after: Option<usize>,
     /// What is known from the run that this one goes on.
     pub(crate) resumed: Option<Resumed>,
+    /// What ends the run early from outside.
+    pub(crate) interruption: Interruption,
 }
 
 /// What decides how steps are chosen, where a run ended.
@@ -140,6 +143,7 @@ impl Settings {
             junctions: false,
             ends_after: None,
             resumed: None,
+            interruption: Interruption::default(),
         }
     }
 

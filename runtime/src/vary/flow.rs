@@ -3,10 +3,12 @@
 use super::junction::{Column, Guard, cross, put, shifts};
 use super::variational::Variational;
 use super::{NoSlopes, Unknown};
+use crate::cause::Cause;
 use crate::driver::{Followed, Integration, StepPolicy};
 use crate::integrate::Tolerance;
 use crate::mechanism::{At, Method, System};
 use crate::run::{Junction, Plan, Recorder, Run, Side};
+use crate::simulate::Interruption;
 
 /// Columns at a time.
 #[derive(Clone, Debug)]
@@ -21,6 +23,7 @@ pub(super) struct Moment {
 pub(super) struct Way<'a> {
     pub tolerance: f64,
     pub max_steps: u64,
+    pub interruption: &'a Interruption,
     /// Times, in order, at which columns are wanted; the last is the run's end.
     pub times: &'a [f64],
 }
@@ -97,7 +100,7 @@ fn piece(
         let floors = floors(run, columns, way.tolerance);
         let mut steps = Steps::begin(&mut varied, run, (t, &y, &floors), until, way)?;
         for (k, end) in ends.iter().enumerate() {
-            flow.steps += steps.advance(&mut varied, *end)?;
+            flow.steps += steps.advance(&mut varied, *end, way.interruption)?;
             t = *end;
             y = steps.state().to_vec();
             if k + 1 < ends.len() {
@@ -197,14 +200,17 @@ impl Steps {
     }
 
     /// As far as `end`; how many steps that takes.
-    fn advance(&mut self, varied: &mut Variational, end: f64) -> Result<u64, NoSlopes> {
+    fn advance(&mut self, varied: &mut Variational, end: f64, interruption: &Interruption) -> Result<u64, NoSlopes> {
         let mut steps = 0;
-        let fault = |t: f64, cause: crate::cause::Cause| NoSlopes::Fault { t, cause };
+        let fault = |t: f64, cause: Cause| NoSlopes::Fault { t, cause };
         while self.integration.time() < end {
             let taken = self.integration.one(varied, end, &mut self.recorder);
             steps += 1;
             let t = self.integration.time();
             taken.map_err(|cause| fault(t, *cause))?;
+            if interruption.is_asked() {
+                return Err(fault(t, Cause::Interrupted));
+            }
             if varied.is_constrained() {
                 let projected = varied.project(t, self.integration.state_mut());
                 projected.map_err(|singular| fault(t, singular.cause(varied.description())))?;

@@ -77,8 +77,8 @@ pub(crate) fn leg(system: &mut dyn System, settings: &Settings, parameters: &[us
     });
     let columns: Vec<Column> = of_start.chain(of_parameters).collect();
     let end = run.times.last().copied().unwrap_or(settings.from);
-    let way =
-        Way { tolerance: settings.tolerance.max(Settings::TIGHTEST), max_steps: settings.max_steps, times: &[end] };
+    let tolerance = settings.tolerance.max(Settings::TIGHTEST);
+    let way = Way { tolerance, max_steps: settings.max_steps, interruption: &settings.interruption, times: &[end] };
     let list: Vec<Option<usize>> = columns.iter().map(|column| column.parameter).collect();
     let Flow { mut moments, shifts, .. } = follow(system, &run, (side.clone(), columns), &way)?;
     let mut numbers = moments.pop().map(|moment| moment.columns).unwrap_or_default();

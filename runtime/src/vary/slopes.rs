@@ -204,8 +204,8 @@ pub(crate) fn varied(
         (None, Some(_)) => run.times.clone(),
         (None, None) => vec![end],
     };
-    let way =
-        Way { tolerance: settings.tolerance.max(Settings::TIGHTEST), max_steps: settings.max_steps, times: &times };
+    let tolerance = settings.tolerance.max(Settings::TIGHTEST);
+    let way = Way { tolerance, max_steps: settings.max_steps, interruption: &settings.interruption, times: &times };
     let Flow { mut moments, steps, .. } = follow(system, &run, (side, columns), &way)?;
     let at_end = moments.last_mut().filter(|moment| moment.t == end);
     let shifts = at_the_end(system, &run, unknowns, at_end)?;

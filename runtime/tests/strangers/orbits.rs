@@ -193,3 +193,19 @@ fn a_limit_of_its_own_was_told_as_one_that_can_be_raised() {
     let why = orbit("light", text, &["--set", "p=0.00001", "--max-steps", "50"]).unwrap_err();
     assert!(why.contains("raise `max_steps`"), "{why}");
 }
+
+/// A bar on two strings that are tied to its axis: turning about it costs nothing.  Where it swings across, its quaternion changes by rounding
+/// alone; where it swings along, the turn is all but free, too.
+#[test]
+fn modes_beside_a_turn_that_costs_nothing_were_not_found() {
+    let text = "name: Bifilar\nparameters: {m: 2 kg, a: 0.3 m, b: 0.2 m, L: 1 m, Iz: 0.05 kg*m^2, It: 0.03 kg*m^2, Ia: 0.055 kg*m^2, g: 9.81 m/s^2}\n\
+        coordinates: {x: m, y: m, z: m, att: rotation}\nframes: {B: {rotate: att}}\n\
+        points: {C: \"[x, y, z]\", P1: C + b*B.x, P2: C - b*B.x, Q1: \"[a, 0, 0]\", Q2: \"[-a, 0, 0]\"}\n\
+        bodies: {bar: {mass: m, inertia: [It, Ia, Iz], frame: B, position: C}}\ngravity: [0, 0, -g]\n\
+        constraints: {s1: norm(P1 - Q1) - L, s2: norm(P2 - Q2) - L}\nscene: {start: {x: 0, y: 0}, guess: {z: -1}, until: 5}\n";
+    let across = orbit("across", text, &["--from", "mode 2", "--segments", "2"]).expect("an orbit");
+    // A simple pendulum of the length of the strings' plane: m g/l y^2/2.
+    assert!(across.contains("energy = 9.85941e-6 J") && across.contains("no small change grows"), "{across}");
+    let along = orbit("along", text, &["--from", "mode 3", "--segments", "2"]).expect("an orbit");
+    assert!((period(&along) / 1.992_93 - 1.0).abs() < 3e-6 && along.contains("no small change grows"), "{along}");
+}

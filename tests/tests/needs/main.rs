@@ -378,8 +378,17 @@ fn questions_without_meaning_are_refused() {
         NeedsError::Still { .. }
     ));
     assert!(matches!(refused(NeedsRequest::new("name: [")), NeedsError::Model { .. }));
-    let stopped = Needs::find(&NeedsRequest::new(CRANE), &mut |_| ControlFlow::Break(()));
-    assert!(matches!(stopped, Err(NeedsError::Interrupted)));
+    let mut left = 2;
+    let stopped = Needs::find(&NeedsRequest::new(CRANE), &mut |_| {
+        left -= 1;
+        if left == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    let Err(NeedsError::Interrupted { so_far: Some(found) }) = stopped else { panic!("it went on") };
+    assert!(
+        found.reductions.len() == 1 && found.sentence() == "what goes together was not found\n",
+        "{}",
+        found.table()
+    );
     let misspelt = CRANE.replace("outputs: [load_x, swing]", "outputs: [load_y, swing]");
     let NeedsError::Model { problems } = refused(NeedsRequest::new(misspelt)) else {
         panic!("not a problem of the file")
