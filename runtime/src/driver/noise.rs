@@ -80,23 +80,36 @@ impl Integration {
             let units = tolerance.units(i, step.h, (start.y, end.y), start.rate);
             of(self.stepper.errors(), i).iter().zip(units).any(|(error, unit)| *error > most * unit)
         };
-        if (0..n).any(|i| tolerance.may_be_noise(i, step.h) && counts(i)) {
-            suspects.extend((0..n).filter(|i| tolerance.may_be_noise(*i, step.h)));
+        let may_be_noise = |i: &usize| tolerance.may_be_noise(*i, step.h);
+        if (0..n).filter(may_be_noise).any(counts) {
+            suspects.extend((0..n).filter(may_be_noise));
         }
         if suspects.is_empty() {
             return;
         }
-        let (at_end, mut rate) = (end.y.to_vec(), vec![0.0; 2 * n]);
-        let mut noise = self.noise(system);
-        // Reactions that begin in the step make rounding of their own.
-        if self.stepper.evaluate(system, step.next, &at_end, &mut rate).is_ok() {
-            let later = self.noise_at(system, step.next, &at_end, &rate);
-            noise.iter_mut().zip(later).for_each(|(noise, later)| *noise = noise.max(later));
-        }
+        let noise = self.noise_of_step(system, step);
         let StepPolicy::Adaptive { tolerance, .. } = &mut self.policy else { return };
         for i in suspects {
             tolerance.noise(i, noise[i], step.h, of(self.stepper.errors(), i));
         }
+    }
+
+    /// The noise of each acceleration at the start of the step that was tried, and of those that move nothing there the larger at its end, too: reactions
+    /// that begin in it make rounding of their own.  The end of a step that leads anywhere tells nothing.
+    fn noise_of_step(&mut self, system: &dyn System, step: Step) -> Vec<f64> {
+        let mut noise = self.noise(system);
+        let StepPolicy::Adaptive { tolerance, .. } = &self.policy else { return noise };
+        let (n, start, at_end) = (system.len(), self.stepper.start(), self.stepper.end().y.to_vec());
+        let moves = |i: &usize| tolerance.moves(*i, step.h, [start.y[n + i], start.rate[n + i]], noise[*i]);
+        let (moving, still): (Vec<usize>, Vec<usize>) = (0..n).partition(moves);
+        let errors = self.stepper.errors();
+        let leads_anywhere = |i: &usize| errors[*i].abs() > StagnatingError::SMALL * (at_end[*i] - start.y[*i]).abs();
+        let mut rate = vec![0.0; 2 * n];
+        if !moving.iter().any(leads_anywhere) && self.stepper.evaluate(system, step.next, &at_end, &mut rate).is_ok() {
+            let later = self.noise_at(system, step.next, &at_end, &rate);
+            still.into_iter().for_each(|i| noise[i] = noise[i].max(later[i]));
+        }
+        noise
     }
 
     /// As [`Integration::noise_at`], at the present state.

@@ -237,6 +237,12 @@ impl Tolerance {
         self.stays(i) || h.abs() * self.noise[i] > self.floors[self.n + i]
     }
 
+    /// Whether a speed and an acceleration move coordinate i in a step of h by more than rounding and this noise of its acceleration.
+    pub fn moves(&self, i: usize, h: f64, [speed, acceleration]: [f64; 2], noise: f64) -> bool {
+        let way = h.abs() * speed.abs() + h * h * acceleration.abs();
+        way > ROUNDING * self.largest[self.group[i]] + EXPLAINED * h * h * noise
+    }
+
     /// Whether coordinate i has stayed where it is until now, but for rounding: that of coordinates, or what the noise of its acceleration
     /// makes of it.  From rest a constant acceleration a gives it the speed v over the way s = v²/(2a).
     fn stays(&self, i: usize) -> bool {
