@@ -55,7 +55,11 @@ impl Integration {
         let (ends, rate) = ((start.y, self.stepper.end().y), start.rate);
         let lengths = (self.rejected_step, step.h);
         let suspected = |i: usize| tolerance.suspects(i, (of(before, i), of(after, i)), lengths, (ends, rate));
-        let suspects: Vec<usize> = (0..n).filter(|i| !before.is_empty() && suspected(*i)).collect();
+        // What nothing moves at first, while others begin to, may be moved by rounding alone: it need not be rejected twice.
+        let begins = self.clock.now() == self.from && rate.iter().any(|rate| *rate != 0.0);
+        let sets_off =
+            |i: usize| begins && rate[n + i] == 0.0 && tolerance.is_moved(i, of(after, i), step.h, (ends, rate));
+        let suspects: Vec<usize> = (0..n).filter(|i| sets_off(*i) || !before.is_empty() && suspected(*i)).collect();
         self.rejected.clear();
         self.rejected.extend_from_slice(self.stepper.errors());
         self.rejected_step = step.h;
@@ -69,8 +73,8 @@ impl Integration {
         self.look_for_noise_of(system, step, Vec::new(), self.control.growing());
     }
 
-    /// Looks whether the errors of these coordinates are rounding; and those of all that rounding alone may
-    /// move, if one of them has an error of more than `most` units.
+    /// Looks whether the errors of these coordinates are rounding; and, where reactions act, whose rounding moves what they hold, those of all that
+    /// rounding alone may move, if one of them has an error of more than `most` units that no known noise explains.
     fn look_for_noise_of(&mut self, system: &dyn System, step: Step, mut suspects: Vec<usize>, most: f64) {
         let StepPolicy::Adaptive { tolerance, .. } = &self.policy else { return };
         let n = system.len();
@@ -78,10 +82,11 @@ impl Integration {
         let of = |errors: &[f64], i: usize| [errors[i].abs(), errors[n + i].abs()];
         let counts = |i: usize| {
             let units = tolerance.units(i, step.h, (start.y, end.y), start.rate);
-            of(self.stepper.errors(), i).iter().zip(units).any(|(error, unit)| *error > most * unit)
+            let errors = of(self.stepper.errors(), i);
+            errors.iter().zip(units).any(|(error, unit)| *error > most * unit) && !tolerance.explains(i, step.h, errors)
         };
         let may_be_noise = |i: &usize| tolerance.may_be_noise(*i, step.h);
-        if (0..n).filter(may_be_noise).any(counts) {
+        if !system.active_rows().is_empty() && (0..n).filter(may_be_noise).any(counts) {
             suspects.extend((0..n).filter(may_be_noise));
         }
         if suspects.is_empty() {

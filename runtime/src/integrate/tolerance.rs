@@ -237,6 +237,19 @@ impl Tolerance {
         self.stays(i) || h.abs() * self.noise[i] > self.floors[self.n + i]
     }
 
+    /// True if nothing has moved coordinate i until now, and a step of h with too large an error does.
+    pub fn is_moved(&self, i: usize, errors: [f64; 2], h: f64, (ends, rate): ((&[f64], &[f64]), &[f64])) -> bool {
+        let rests = |k: usize| self.low[k] == self.high[k];
+        let units = self.units(i, h, ends, rate);
+        rests(i) && rests(self.n + i) && (0..2).any(|k| errors[k] > units[k])
+    }
+
+    /// Whether the noise that is known explains these errors of coordinate i over a step of h.
+    pub fn explains(&self, i: usize, h: f64, errors: [f64; 2]) -> bool {
+        let explained = 0.5 * h.abs() * self.noise[i];
+        errors[1] <= explained && errors[0] <= (h.abs() * explained).max(self.raised[i])
+    }
+
     /// Whether a speed and an acceleration move coordinate i in a step of h by more than rounding and this noise of its acceleration.
     pub fn moves(&self, i: usize, h: f64, [speed, acceleration]: [f64; 2], noise: f64) -> bool {
         let way = h.abs() * speed.abs() + h * h * acceleration.abs();
