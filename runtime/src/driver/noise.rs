@@ -104,6 +104,9 @@ impl Integration {
     fn noise_of_step(&mut self, system: &dyn System, step: Step) -> Vec<f64> {
         let mut noise = self.noise(system);
         let StepPolicy::Adaptive { tolerance, .. } = &self.policy else { return noise };
+        if system.active_rows().is_empty() {
+            return noise;
+        }
         let (n, start, at_end) = (system.len(), self.stepper.start(), self.stepper.end().y.to_vec());
         let moves = |i: &usize| tolerance.moves(*i, step.h, [start.y[n + i], start.rate[n + i]], noise[*i]);
         let (moving, still): (Vec<usize>, Vec<usize>) = (0..n).partition(moves);

@@ -12,6 +12,8 @@ use crate::number::DoubleDouble;
 const STEPS: usize = 60;
 /// A constraint holds when it is this part of its own terms.
 pub(super) const HOLDS: f64 = 1e-29;
+/// So many roundings of coordinates, one or two of each of a few, move a row without meaning.
+const ROUNDINGS: f64 = 16.0;
 /// Speeds are known to this part of themselves where constraints took nearly all of them.
 const TOLD: f64 = 1e-20;
 
@@ -202,16 +204,18 @@ enum Verdict {
     Off,
 }
 
-/// Judges residuals by the largest terms that each was made of so far, or by what moves it.
+/// Judges residuals by the largest terms that each was made of so far, or by the rounding of what moves it: where all its terms vanish no more is known.
 fn verdict(residuals: &[Measured], reach: &[f64], sizes: &mut [f64]) -> Verdict {
     if residuals.iter().any(|c| !c.value.is_finite()) {
         return Verdict::Undefined;
     }
-    for ((c, reach), size) in residuals.iter().zip(reach).zip(sizes.iter_mut()) {
-        *size = size.max(c.magnitude).max(if reach.is_finite() { *reach } else { 0.0 });
+    residuals.iter().zip(sizes.iter_mut()).for_each(|(c, size)| *size = size.max(c.magnitude));
+    let rounding = |reach: f64| if reach.is_finite() { ROUNDINGS * DoubleDouble::UNIT * reach } else { 0.0 };
+    let mut rows = residuals.iter().zip(sizes.iter().zip(reach));
+    match rows.all(|(c, (size, reach))| c.value.abs().to_f64() <= (HOLDS * size).max(rounding(*reach))) {
+        true => Verdict::Holds,
+        false => Verdict::Off,
     }
-    let holds = residuals.iter().zip(sizes.iter()).all(|(c, size)| c.value.abs().to_f64() <= HOLDS * size);
-    if holds { Verdict::Holds } else { Verdict::Off }
 }
 
 fn opposite(residuals: &[Measured]) -> Vec<f64> {
