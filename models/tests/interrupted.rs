@@ -111,6 +111,7 @@ fn searches_and_charts_went_on_after_ctrl_c() {
     let long = ["--until", "1e5", "--max-steps", "1000000000000"];
     let of = |list: &[&'static str]| -> Vec<String> { list.iter().chain(&long).map(|x| (*x).to_owned()).collect() };
     let mut chart = of(&["chart", "double_pendulum"]);
+    chart.truncate(4);
     chart.extend(["--plot".to_owned(), plot, "--csv".to_owned(), csv]);
     let mut needs = of(&["needs", "double_pendulum"]);
     needs.truncate(4);
