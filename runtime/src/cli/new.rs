@@ -20,11 +20,11 @@ pub fn run(options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
         return Err(Problem::usage(format!("{path} exists already")));
     }
     let stem = Path::new(name).file_stem().map_or(name.to_owned(), |s| s.to_string_lossy().into_owned());
-    outputs::write(&path, &TEMPLATE.replace("TypeName", &type_name(&stem)))?;
+    outputs::write(&path, TEMPLATE.replace("TypeName", &type_name(&stem)))?;
     writeln!(out, "wrote {path}; try: simulate {path}")?;
     let schema_path = Path::new(&path).with_file_name(SCHEMA);
     if !schema_path.exists() {
-        outputs::write(&schema_path.to_string_lossy(), &schema::text())?;
+        outputs::write(&schema_path.to_string_lossy(), schema::text())?;
         writeln!(out, "wrote {}, by which editors complete keys", schema_path.display())?;
     }
     Ok(())

@@ -176,7 +176,7 @@ const AMPLITUDE: f64 = 1e-3;
 
 fn report(loaded: &Loaded, orbit: &Orbit, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     if let Some(path) = options.get_one::<String>("save") {
-        outputs::write(path, &value_files::start_state(&orbit.run, &[]))?;
+        outputs::write(path, value_files::start_state(&orbit.run, &[]))?;
     }
     if let Some(path) = options.get_one::<String>("plot") {
         outputs::draw(path, orbit.figure())?;

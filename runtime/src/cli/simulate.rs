@@ -280,7 +280,7 @@ fn report(
             .filter(|(parameter, value)| parameter.default != *value)
             .map(|(parameter, value)| (parameter.name.to_string(), value))
             .collect();
-        outputs::write(path, &value_files::state(run, &changed))?;
+        outputs::write(path, value_files::state(run, &changed))?;
     }
     if let Some(path) = file("animate") {
         let charts = shown.of(run).map_err(Problem::usage)?;

@@ -143,7 +143,7 @@ fn report(loaded: &Loaded, found: &Found, options: &ArgMatches, out: &mut dyn Wr
         let parameters = loaded.system.description().parameters.iter();
         let of = |name: &str| found.values.iter().find(|value| value.name == name);
         let changed = parameters.filter_map(|parameter| Some((parameter.name.to_string(), of(&parameter.name)?.value)));
-        outputs::write(path, &value_files::start_state(&found.run, &changed.collect::<Vec<_>>()))?;
+        outputs::write(path, value_files::start_state(&found.run, &changed.collect::<Vec<_>>()))?;
     }
     if options.get_flag("json") {
         super::json::write(&as_json(loaded, found), out)?;

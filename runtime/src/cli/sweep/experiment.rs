@@ -85,7 +85,7 @@ impl Experiment {
     pub fn write(&self, table: &str) -> Result<(), Problem> {
         let entries: Vec<String> =
             self.0.iter().map(|(name, value)| format!("  {}: {}", quoted(name), quoted(value))).collect();
-        outputs::write(&path(table), &format!("{{\n{}\n}}\n", entries.join(",\n")))
+        outputs::write(&path(table), format!("{{\n{}\n}}\n", entries.join(",\n")))
     }
 
     /// Refuses what differs from this experiment, which is called `own`, in anything but the part of the runs.
