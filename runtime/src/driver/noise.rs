@@ -86,7 +86,7 @@ impl Integration {
             errors.iter().zip(units).any(|(error, unit)| *error > most * unit) && !tolerance.explains(i, step.h, errors)
         };
         let may_be_noise = |i: &usize| tolerance.may_be_noise(*i, step.h);
-        if !system.active_rows().is_empty() && (0..n).filter(may_be_noise).any(counts) {
+        if reacts(system) && (0..n).filter(may_be_noise).any(counts) {
             suspects.extend((0..n).filter(may_be_noise));
         }
         if suspects.is_empty() {
@@ -104,7 +104,7 @@ impl Integration {
     fn noise_of_step(&mut self, system: &dyn System, step: Step) -> Vec<f64> {
         let mut noise = self.noise(system);
         let StepPolicy::Adaptive { tolerance, .. } = &self.policy else { return noise };
-        if system.active_rows().is_empty() {
+        if !reacts(system) {
             return noise;
         }
         let (n, start, at_end) = (system.len(), self.stepper.start(), self.stepper.end().y.to_vec());
@@ -194,11 +194,17 @@ pub(super) fn by_terms(system: &dyn System, at: At<'_>, until: f64) -> Option<Ve
     noise.iter().all(|noise| noise.is_finite()).then_some(noise)
 }
 
+/// Whether constraints are held exactly, by reactions alone.
+fn reacts(system: &dyn System) -> bool {
+    let exactly = system.enforcement() == Enforcement::Multipliers && system.baumgarte_gain() == 0.0;
+    exactly && !system.active_rows().is_empty()
+}
+
 /// What the rounding of reactions leaves of accelerations: the least change that would bring them to the constraints, as far as M⁻¹ u |J|ᵀ |λ|
 /// explains it; `None` without constraints that are to be held exactly.
 fn by_reactions(system: &dyn System, at: At<'_>) -> Option<Vec<f64>> {
     let rows: Vec<usize> = rows_in_force(system).collect();
-    if rows.is_empty() || system.enforcement() != Enforcement::Multipliers || system.baumgarte_gain() != 0.0 {
+    if !reacts(system) {
         return None;
     }
     let mut gamma = vec![0.0; system.description().rows.len()];
