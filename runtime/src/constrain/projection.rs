@@ -2,7 +2,6 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::integrate::ROUNDING as OF_COORDINATES;
 use crate::mechanism::dense::{constraint_matrix, sizes_alike};
 use crate::mechanism::{At, KktSolver, Singular, System, rows_in_force};
 
@@ -41,6 +40,8 @@ pub struct Residuals {
     pub velocity: f64,
 }
 
+/// Rounding of the coordinates, beside the largest with the same unit: 200 unit round-offs.
+const OF_COORDINATES: f64 = 100.0 * f64::EPSILON;
 /// Rounding of a constraint beside the sum of its terms.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// A constraint that is missed by this part of its terms is not kept.

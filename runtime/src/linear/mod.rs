@@ -52,11 +52,11 @@ pub use constrained::{Tangent, linearise_tangent, turning_coordinates};
 pub(crate) use equilibrium::force_unit;
 #[cfg(all(feature = "cli", feature = "modal"))]
 pub(crate) use equilibrium::periods;
-#[cfg(feature = "modal")]
 pub use equilibrium::{
     Equilibrium, Guess, Jump, Linearised, Trimmed, TrimmedValue, Unknown, ZeroStiffness, equilibria, equilibrium_here,
     equilibrium_near, linearise, state_matrix, trim, trim_steady,
 };
+#[cfg(feature = "modal")]
 pub use equilibrium::{SampledLoop, StateSpace, linearise_sampled, linearise_states};
 #[cfg(feature = "cli")]
 pub(crate) use forced::turned;
