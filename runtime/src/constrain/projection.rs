@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::mechanism::dense::{constraint_matrix, sizes_alike};
+use crate::mechanism::dense::{self, constraint_matrix, sizes_alike};
 use crate::mechanism::{At, KktSolver, Singular, System, rows_in_force};
 
 /// Brings states back to the constraints that are active, by the least change in the metric of M.
@@ -40,8 +40,6 @@ pub struct Residuals {
     pub velocity: f64,
 }
 
-/// Rounding of the coordinates, beside the largest with the same unit: 200 unit round-offs.
-const OF_COORDINATES: f64 = 100.0 * f64::EPSILON;
 /// Rounding of a constraint beside the sum of its terms.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// A constraint that is missed by this part of its terms is not kept.
@@ -292,7 +290,7 @@ impl Projection {
         let is_rounding = |row: usize, c: f64| {
             let sizes = DVector::from_vec(sizes_alike(system.description(), place.q));
             let moved = constraint_matrix(system, place, &[row]).abs() * sizes;
-            c.abs() <= OF_COORDINATES * moved[0]
+            c.abs() <= dense::ROUNDING * moved[0]
         };
         let mut active = rows_in_force(system);
         active.find_map(|row| {

@@ -1,13 +1,14 @@
 //! Starts that meet the constraints.
 
-use std::f64::consts::TAU;
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::cause::Cause;
 use crate::matrix::{rank, solve_least, svd};
-use crate::mechanism::dense::{SECOND_ROUNDING, constraint_matrix, constraint_triples, mass_matrix, sizes_alike};
+use crate::mechanism::dense::{
+    SECOND_ROUNDING, constraint_matrix, constraint_triples, mass_matrix, sizes_alike, widest,
+};
 use crate::mechanism::{At, System, rows_in_force};
 
 /// What is known of a start: values, and which of them are held.
@@ -132,9 +133,7 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
     pub fn close(&self, y: &mut [f64]) -> Result<(), Box<Cause>> {
         let mut damping = 1e-3;
         let mut scales = vec![0.0_f64; self.holonomic.len()];
-        let is_angle = |unit: &str| matches!(unit, "rad" | "mrad" | "deg" | "°");
-        let turn =
-            |i: usize| if is_angle(&self.system.description().coordinates[i].unit) { TAU } else { f64::INFINITY };
+        let widest = widest(self.system.description());
         for _ in 0..ITERATIONS {
             let (c, closed) = self.residual(y);
             if let Some(k) = c.iter().position(|c| !c.is_finite()) {
@@ -169,7 +168,7 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
                 }
                 let Some(mut step) = damped.cholesky().map(|cholesky| cholesky.solve(&gradient)) else { break };
                 let turned =
-                    self.free.iter().zip(step.iter()).fold(0.0_f64, |most, (i, s)| most.max(s.abs() / turn(*i)));
+                    self.free.iter().zip(step.iter()).fold(0.0_f64, |most, (i, s)| most.max(s.abs() / widest[*i]));
                 if turned > turns {
                     step *= turns / turned;
                 }

@@ -49,7 +49,7 @@ pub(crate) use segment::Segment;
 pub(crate) use stability::{Rational, Stability};
 pub(crate) use stiffness::StiffnessDetector;
 #[cfg(feature = "ensemble")]
-pub(crate) use tolerance::{LEAST, ROUNDING, widest};
+pub(crate) use tolerance::LEAST;
 pub(crate) use tolerance::{PERTURBATION, Tolerance, larger};
 
 use crate::cause::{Cause, NoSeries};

@@ -1,8 +1,6 @@
 //! How large an error may be.
 
-use std::f64::consts::TAU;
-
-use crate::mechanism::dense::SECOND_ROUNDING;
+use crate::mechanism::dense::{ROUNDING, SECOND_ROUNDING, widest};
 use crate::mechanism::{Coordinate, Description};
 
 /// The tolerance as a norm: an error of component i counts in units of ε wᵢ, where w follows the motion itself.
@@ -16,7 +14,7 @@ use crate::mechanism::{Coordinate, Description};
 /// rounding of q: no error below it counts, nor one below 200 u² max|q| of the coordinates with the same unit: what a mechanism in space that
 /// stays in a plane has across it is rounding of rounding.  ν is the noise of the acceleration, what the rounding of all coordinates
 /// and of the time makes of it; it is measured where errors do not fall as steps become shorter ([`Tolerance::noise`]), and counts
-/// [`STAYS`] times where a coordinate has not left its rounding.  Where a
+/// [`STAYS`] times where a coordinate has not left its rounding, or what its noise makes of it.  Where a
 /// coordinate takes over the rounding of a larger one beside it, φ is raised then.  What sets off from rest like a high power of
 /// time has errors of the size of its change in any step: those of its first step count as none ([`Tolerance::note_start_up_errors`]).
 ///
@@ -51,8 +49,6 @@ pub(crate) struct Tolerance {
     largest: Vec<f64>,
 }
 
-/// 200 unit round-offs.
-pub(crate) const ROUNDING: f64 = 100.0 * f64::EPSILON;
 /// By what part of themselves coordinates and the time are moved to see what their rounding does: two to four units in the last place, so
 /// that a rounding of what is computed from them does not swallow the change.
 pub(crate) const PERTURBATION: f64 = 4.0 * f64::EPSILON;
@@ -244,7 +240,7 @@ impl Tolerance {
         rests(i) && rests(self.n + i) && (0..2).any(|k| errors[k] > units[k])
     }
 
-    /// Whether the noise that is known explains these errors of coordinate i over a step of h.
+    /// Whether the noise that is known, twice [`EXPLAINED`] times the measured one, explains these errors of coordinate i over a step of h.
     pub fn explains(&self, i: usize, h: f64, errors: [f64; 2]) -> bool {
         let explained = 0.5 * h.abs() * self.noise[i];
         errors[1] <= explained && errors[0] <= (h.abs() * explained).max(self.raised[i])
@@ -343,15 +339,4 @@ impl Tolerance {
 #[inline(always)]
 pub(crate) fn larger(a: f64, b: f64) -> f64 {
     if b > a { b } else { a }
-}
-
-/// The largest range of each coordinate that counts: 2π for angles.
-pub(crate) fn widest(mechanism: &Description) -> Vec<f64> {
-    let units = mechanism.coordinates.iter().map(|coordinate| is_angle(&coordinate.unit));
-    units.map(|angle| if angle { TAU } else { f64::INFINITY }).collect()
-}
-
-/// True for the units of angles.
-fn is_angle(unit: &str) -> bool {
-    matches!(unit, "rad" | "mrad" | "deg" | "°")
 }

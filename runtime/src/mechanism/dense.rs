@@ -1,6 +1,7 @@
 //! The matrices of a mechanism as dense ones, for what is done once: starts, impacts, small motions.
 
 use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 
 use nalgebra::DMatrix;
 
@@ -87,8 +88,21 @@ pub(crate) fn constraint_triples<S: System + ?Sized>(system: &S, at: At<'_>) -> 
     triples.as_chunks().0.to_vec()
 }
 
+/// 200 u, u = 2⁻⁵³: what rounding makes of a coordinate, beside the largest with the same unit.
+pub(crate) const ROUNDING: f64 = 100.0 * f64::EPSILON;
 /// 200 u² of what has the same unit: what a mechanism that stays in a plane, or at a place, has across it is rounding of rounding.
 pub(crate) const SECOND_ROUNDING: f64 = 100.0 * f64::EPSILON * f64::EPSILON;
+
+/// The largest range of each coordinate that counts: 2π for angles.
+pub(crate) fn widest(mechanism: &Description) -> Vec<f64> {
+    let units = mechanism.coordinates.iter().map(|coordinate| is_angle(&coordinate.unit));
+    units.map(|angle| if angle { TAU } else { f64::INFINITY }).collect()
+}
+
+/// True for the units of angles.
+fn is_angle(unit: &str) -> bool {
+    matches!(unit, "rad" | "mrad" | "deg" | "°")
+}
 
 /// The largest size of a coordinate, or of its speed, among those with the same unit: what its rounding is judged by.
 pub(crate) fn sizes_alike(description: &Description, numbers: &[f64]) -> Vec<f64> {

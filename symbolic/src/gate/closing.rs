@@ -14,7 +14,8 @@ const STEPS: usize = 60;
 pub(super) const HOLDS: f64 = 1e-29;
 /// So many roundings of coordinates, one or two of each of a few, move a row without meaning.
 const ROUNDINGS: f64 = 16.0;
-/// Speeds are known to this part of themselves where constraints took nearly all of them.
+/// Speeds are known to this part of themselves at least, twenty digits as all tests ask for, or they are known beside what they were before
+/// constraints took nearly all of them.
 const TOLD: f64 = 1e-20;
 
 /// Rows that share coordinates, directly or by way of others, ready to evaluate anywhere.

@@ -12,7 +12,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::relative::Small;
-use super::state::{ConstrainedState, State};
+use super::state::{ConstrainedState, State, telling};
 use super::steady::Shifts;
 use super::tangent::linearise_tangent;
 use super::turns::Symmetries;
@@ -99,30 +99,10 @@ impl Departing {
     }
 }
 
-/// Slopes below this part of the terms of their equation are rounding: as in `driven.rs`.
-const CANCELLED: f64 = 64.0 * f64::EPSILON;
-
 /// What is left of the equations, and what it is judged by.
 pub(super) struct Equations {
     pub left: DVector<f64>,
     measure: DVector<f64>,
-}
-
-/// A matrix without elements that are rounding beside the terms of their rows, as a change of an unknown by its size makes them; the first rows have
-/// these terms, and columns that are not named stay.
-pub(super) fn telling(
-    mut matrix: DMatrix<f64>,
-    terms: &[f64],
-    sizes: impl Iterator<Item = (usize, f64)>,
-) -> DMatrix<f64> {
-    for (j, size) in sizes {
-        for (i, terms) in terms.iter().enumerate() {
-            if (matrix[(i, j)] * size).abs() <= CANCELLED * terms {
-                matrix[(i, j)] = 0.0;
-            }
-        }
-    }
-    matrix
 }
 
 /// The coordinates whose speeds are kept.

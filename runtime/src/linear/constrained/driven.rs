@@ -11,7 +11,7 @@
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::rest::Constrained;
-use super::state::{ConstrainedState, State};
+use super::state::{CANCELLED, ConstrainedState, State};
 use crate::linear::equilibrium::LinearisationPoint;
 use crate::linear::forced::slopes_of;
 use crate::linear::{Drive, LinearError, Observed, Source, SparseMatrix, Steady};
@@ -23,9 +23,6 @@ use crate::mechanism::{Solutions, System, rows_in_force};
 const MISSED: f64 = 1e-9;
 /// Reactions that are not unique are asked for by more than this part of what asks for them.
 const ROUNDING: f64 = 1e-9;
-
-/// Elements below this part of the terms that they are the difference of are 0.
-const CANCELLED: f64 = 64.0 * f64::EPSILON;
 
 /// The linear model in all coordinates, and how these follow independent ones and inputs.
 pub(super) struct Whole {

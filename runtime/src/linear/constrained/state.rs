@@ -28,6 +28,9 @@ const TIMES: [f64; 4] = [0.37, 1.9, 53.0, 1234.5];
 /// What changes by less than this part of itself is the same.
 const SAME: f64 = 1e-12;
 
+/// Slopes below this part of the terms of their equation are rounding.
+pub(super) const CANCELLED: f64 = 64.0 * f64::EPSILON;
+
 /// A mechanism and its rows of constraints in force.
 pub(super) struct ConstrainedState<'a, S: System + ?Sized> {
     pub system: &'a S,
@@ -434,4 +437,21 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
     pub fn names(&self) -> Vec<String> {
         self.system.description().coordinates.iter().map(|coordinate| coordinate.name.to_string()).collect()
     }
+}
+
+/// A matrix without elements that are rounding beside the terms of their rows, as a change of an unknown by its size makes them; the first rows have
+/// these terms, and columns that are not named stay.
+pub(super) fn telling(
+    mut matrix: DMatrix<f64>,
+    terms: &[f64],
+    sizes: impl Iterator<Item = (usize, f64)>,
+) -> DMatrix<f64> {
+    for (j, size) in sizes {
+        for (i, terms) in terms.iter().enumerate() {
+            if (matrix[(i, j)] * size).abs() <= CANCELLED * terms {
+                matrix[(i, j)] = 0.0;
+            }
+        }
+    }
+    matrix
 }

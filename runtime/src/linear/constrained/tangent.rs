@@ -12,10 +12,9 @@
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-use super::departing::telling;
 use super::on_its_sides;
 use super::relative::{Small, analysed};
-use super::state::{ConstrainedState, State};
+use super::state::{ConstrainedState, State, telling};
 use crate::linear::matrices::natural_sizes;
 use crate::linear::{Equilibrium, FirstOrder, Guess, LinearError, ZeroStiffness};
 use crate::matrix::{solve_least, svd};
