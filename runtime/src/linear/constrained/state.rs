@@ -441,6 +441,7 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
 
 /// A matrix without elements that are rounding beside the terms of their rows, as a change of an unknown by its size makes them; the first rows have
 /// these terms, and columns that are not named stay.
+#[cfg(feature = "modal")]
 pub(super) fn telling(
     mut matrix: DMatrix<f64>,
     terms: &[f64],
