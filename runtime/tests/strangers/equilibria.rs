@@ -395,3 +395,15 @@ fn a_row_with_an_input_s_rate_keeps_its_integral() {
     let run = case(&BELT.replace("Y: 0 m", "Y: 0.05 m").replace("until: 5", "until: 5, tolerance: 1e-6")).run();
     assert!(run.last()["slip"].abs() < 1e-14 && run.last()["x"].abs() > 1e-3, "{:?}", run.last());
 }
+
+/// A guess of zeros is a guess; without one integrals are those of the scene's start.
+#[test]
+fn a_guess_of_zeros_is_given() {
+    let wheel = BELT.replace(" - belt'", "").replace("x: 0.02, ph: 0.1", "x: 0.02, ph: 0.5");
+    for (guess, rest) in [("", 0.08), ("equilibrium: {x: 0, ph: 0}", 0.0), ("equilibrium: {x: 0.03, ph: 0.2}", 0.01)] {
+        // x − R ph is −0.08, 0, −0.01, and k x + kt ph/R = 0.
+        let x = -rest / (1.0 + 0.2_f64 * 0.2 * 40.0 / 0.5);
+        let told = rest_of("zeros", &format!("{wheel}{guess}\n"));
+        assert!((told - x).abs() <= 1e-5 * x.abs(), "{guess}: {told} for {x}");
+    }
+}
