@@ -129,6 +129,26 @@ fn a_second_run_that_fails_was_said_to_want_a_smaller_tolerance() {
     assert!(run.digits("y").is_some_and(|digits| digits >= 9), "{:?}", run.digits("y"));
 }
 
+/// A fall that starts at the zero of an event, from rest or already moving: it has not left it before.
+#[test]
+fn a_second_run_left_the_zero_of_an_event_at_the_start() {
+    const FALL: &str = r#"
+name: Fall
+parameters: {m: 1 kg, g: 10 m/s^2, h: 5 m}
+coordinates: {y: m}
+bodies: {b: {mass: m, position: "[0, y]"}}
+gravity: [0, -g]
+memory: {n: 0}
+events: {below: {when: y - h, direction: falling, then: {set: {n: n + 1}}}}
+scene: {start: {y: 5}, until: 1}
+"#;
+    for (start, n) in [("y: 5", 0.0), ("y: 5, y': -1", 0.0), ("y: 5, y': 1", 1.0), ("y: 5.5", 1.0)] {
+        let run = judged(&FALL.replace("y: 5}", &format!("{start}}}")));
+        let differ = |warning: &Warning| matches!(warning, Warning::EventsDiffer { .. });
+        assert!(run.memory("n") == Some(n) && !run.warnings.iter().any(differ), "{start}: {:?}", run.warnings);
+    }
+}
+
 /// A planet in SI units, whose steps are many seconds long: the second run ended in steps that became shorter and shorter.
 #[test]
 fn slow_motions_have_digits() {
