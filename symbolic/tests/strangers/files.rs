@@ -243,3 +243,16 @@ fn the_help_of_rough_tables_suffices() {
     }
     accepted(&file(0, &format!("{plain}\npotential_energy: (x - u)^2/2")));
 }
+
+#[test]
+fn an_index_that_hides_a_family_is_named() {
+    let file = |index: &str| {
+        format!(
+            "name: T\nparameters: {{k: 3 N/m}}\ncoordinates: {{\"x[i in 1..2]\": m}}\n\
+             bodies: {{\"b[i in 1..2]\": {{mass: 1 kg, position: \"[x[i], 0]\"}}}}\n\
+             springs: {{\"s[{index} in 1..2]\": {{stretch: \"x[{index}]\", stiffness: k}}}}"
+        )
+    };
+    refused(&file("x"), "E204 the index `x` hides");
+    accepted(&file("i"));
+}
