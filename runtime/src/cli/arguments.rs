@@ -38,6 +38,7 @@ pub fn command() -> Command {
                 .about("Writes a model as code for other programs")
                 .arg(model())
                 .args(sizes())
+                .arg(quiet())
                 .args(scene())
                 .arg(value("fmu", "FILE.fmu", "Write an FMU that starts as the scene does: Model Exchange and Co-Simulation, sources, and where there is a C compiler a library").value_hint(ValueHint::FilePath))
                 .arg(value("fmi", "VERSION", "The FMU's version of FMI [default: 3]").value_parser(["2", "3"]).requires("fmu"))
