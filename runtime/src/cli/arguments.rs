@@ -220,7 +220,7 @@ fn simulate() -> Command {
         .arg(value("alpha", "RATE", "Baumgarte's gain, 1/s [default: by the step]"))
         .arg(value("by", "SYSTEM", "Accelerations from a system of `balances` of the file; `all` compares them"))
         .arg(value("state", "FILE", "A state to start from, as --save writes it; --start goes before"))
-        .arg(value("save", "FILE", "Write the final state, to start from it"))
+        .arg(value("save", "FILE", "Write the final state, to start from it (.yaml, .yml, .txt)"))
         .arg(value("every", "TIME", "Spacing of reported states [default: 500 points]"))
         .arg(value("csv", "FILE", "Write reported states and outputs as a table; - for standard output, where the report goes to standard error").short('o'))
         .arg(picture("plot", "Draw them"))
@@ -258,7 +258,7 @@ fn solve() -> Command {
         .arg(value("method", "METHOD", "As of `simulate` [default: auto]"))
         .arg(value("max-steps", "COUNT", "No more steps than these [default: 10000000]").value_parser(clap::value_parser!(u64)))
         .arg(value("state", "FILE", "A state to start from, as --save writes it; --start goes before"))
-        .arg(value("save", "FILE", "Write the start that was found: `simulate --state FILE` starts from it"))
+        .arg(value("save", "FILE", "Write the start that was found (.yaml, .yml, .txt): `simulate --state FILE` starts from it"))
         .arg(flag("json", "Print one JSON object"))
 }
 
@@ -289,7 +289,7 @@ fn orbit() -> Command {
         .arg(value("method", "METHOD", "As of `simulate` [default: auto]"))
         .arg(value("max-steps", "COUNT", "No more steps than these [default: 10000000]").value_parser(clap::value_parser!(u64)))
         .arg(value("state", "FILE", "A state to start from, as --save writes it; --start goes before"))
-        .arg(value("save", "FILE", "Write the start that was found: `simulate --state FILE` starts from it"))
+        .arg(value("save", "FILE", "Write the start that was found (.yaml, .yml, .txt): `simulate --state FILE` starts from it"))
         .arg(picture("plot", "Draw the motion with its multipliers, with --vary amplitudes and periods of the family, with --map where it is unstable"))
         .arg(flag("json", "Print one JSON object"))
 }
