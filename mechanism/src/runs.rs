@@ -36,8 +36,8 @@ pub trait Mechanism<const N: usize, const C: usize>: Equations<N, C> {
     fn scene_numbers<S: Real>(parameters: &[S], scene: usize, numbers: &mut [S]);
     /// A scene, evaluated with the present parameters.
     fn scene(&self, scene: usize) -> Scene;
-    /// The guess for an equilibrium.
-    fn equilibrium_guess(&self) -> [f64; N];
+    /// The guess for an equilibrium where the file gives one.
+    fn equilibrium_guess(&self) -> Option<[f64; N]>;
     /// The coefficients of restitution of the events' impacts, of any numbers as free parameters.
     fn restitutions<S: Real>(parameters: &[S]) -> Vec<S>;
     /// Angular frequencies ω, rad/s and of either sign, of the dependence on time, of any numbers as free parameters: all of it is in sines,

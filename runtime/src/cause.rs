@@ -555,7 +555,7 @@ impl fmt::Display for Cause {
             Cause::EndsMeet { load, t } => write!(
                 f,
                 "direction lost: a distance, norm or root in `{load}` becomes zero at t = {t} s, where ends that meet have no direction, \
-                 and roots no slope; stop before it by an event on what becomes zero",
+                 and roots no slope; stop before it by an event on what becomes zero, or write `max(0, e)^1.5` where a power of `e` is to end there",
                 t = short(*t)
             ),
             Cause::OscillatesTooFast { function, limit } => {

@@ -149,7 +149,7 @@ fn close(name: &str, what: &str, found: &DMatrix<f64>, expected: &DMatrix<f64>, 
 fn compare(name: &str, source: &str, guess: &[(&str, f64)]) -> Linearised {
     let program = dalembert_symbolic::lower::compile(source, &[]).unwrap();
     let system = Interpreted::new(program, source);
-    let mut start = Guess::at(&system.equilibrium_guess());
+    let mut start = Guess::at(&system.equilibrium_guess().unwrap_or_else(|| vec![0.0; system.len()]));
     for (coordinate, value) in guess {
         let (list, coordinate) = match coordinate.strip_suffix('\'') {
             Some(coordinate) => (&mut start.v, coordinate),

@@ -44,6 +44,20 @@ fn a_sleigh_has_three_freedoms_of_configuration_and_two_of_velocity() {
     holds("x y th", "parameters: {a: 0.3}\nconstraints: {edge: -sin(a)*x' + cos(a)*y'}", (2, 2), &[Integral]);
 }
 
+/// Inputs are moved as coordinates are, in rows that are rates with them; not where the rate of one stands without its factor.
+#[test]
+fn rows_with_rates_of_inputs_have_integrals() {
+    let with = |row: &str| format!("inputs: {{u: sin(t), w: t^3}}\nconstraints: {{row: \"{row}\"}}");
+    for row in ["x' - 0.2*ph' - u'", "u*x' + u'*x - ph'", "x' - u'*u'' + w' - 2*t", "x' + ph*u*w' + ph*u'*w + ph'*u*w"]
+    {
+        holds("x ph", &with(row), (1, 1), &[Integral]);
+    }
+    // The integral of u itself is not in the file.
+    for row in ["x' - 0.2*ph' - u", "x' - w*u'"] {
+        holds("x ph", &with(row), (1, 1), &[Integrable]);
+    }
+}
+
 /// One bracket calls one of two rows integrable.
 #[test]
 fn an_upright_disc_needs_two_brackets() {

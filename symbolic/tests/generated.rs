@@ -196,9 +196,7 @@ fn judge(program: &Program) -> BTreeSet<String> {
     nested.extend(methods.iter().map(|_| "value"));
     nested.extend(model.motions.iter().map(|_| "values"));
     nested.extend(model.all_scenes().filter(|s| !s.set.is_empty()).map(|_| "values"));
-    if model.equilibrium.iter().any(|id| *id != dalembert_symbolic::expr::Id::ZERO) {
-        nested.push("values");
-    }
+    nested.extend(model.equilibrium.as_ref().map(|_| "values"));
     let frequencies = program.frequencies.clone().unwrap_or_default();
     nested.extend(
         [program.restitutions(), program.start_condition_values(), frequencies]

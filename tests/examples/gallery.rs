@@ -87,7 +87,8 @@ fn modes(model: &str) -> Option<Figure> {
     if !system.active_rows().is_empty() {
         return None;
     }
-    let found = equilibrium_near(&*system, &Guess::at(&system.equilibrium_guess())).ok()?;
+    let guess = system.equilibrium_guess().unwrap_or_else(|| vec![0.0; system.len()]);
+    let found = equilibrium_near(&*system, &Guess::at(&guess)).ok()?;
     let linear = linearise(&*system, &found).ok()?;
     Some(draw_modes(&*system, &linear, &linear.modes().ok()?))
 }

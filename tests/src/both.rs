@@ -66,7 +66,7 @@ fn everything(system: &dyn System, state: &Drawn) -> Vec<(&'static str, Vec<f64>
         });
     }
     all.push(("parameters", system.parameters()));
-    all.push(("equilibrium", system.equilibrium_guess()));
+    all.push(("equilibrium", system.equilibrium_guess().unwrap_or_default()));
     all
 }
 

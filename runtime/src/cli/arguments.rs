@@ -38,6 +38,7 @@ pub fn command() -> Command {
                 .about("Writes a model as code for other programs")
                 .arg(model())
                 .args(sizes())
+                .arg(quiet())
                 .args(scene())
                 .arg(value("fmu", "FILE.fmu", "Write an FMU that starts as the scene does: Model Exchange and Co-Simulation, sources, and where there is a C compiler a library").value_hint(ValueHint::FilePath))
                 .arg(value("fmi", "VERSION", "The FMU's version of FMI [default: 3]").value_parser(["2", "3"]).requires("fmu"))
@@ -219,7 +220,7 @@ fn simulate() -> Command {
         .arg(value("alpha", "RATE", "Baumgarte's gain, 1/s [default: by the step]"))
         .arg(value("by", "SYSTEM", "Accelerations from a system of `balances` of the file; `all` compares them"))
         .arg(value("state", "FILE", "A state to start from, as --save writes it; --start goes before"))
-        .arg(value("save", "FILE", "Write the final state, to start from it"))
+        .arg(value("save", "FILE", "Write the final state, to start from it (.yaml, .yml, .txt)"))
         .arg(value("every", "TIME", "Spacing of reported states [default: 500 points]"))
         .arg(value("csv", "FILE", "Write reported states and outputs as a table; - for standard output, where the report goes to standard error").short('o'))
         .arg(picture("plot", "Draw them"))
@@ -257,7 +258,7 @@ fn solve() -> Command {
         .arg(value("method", "METHOD", "As of `simulate` [default: auto]"))
         .arg(value("max-steps", "COUNT", "No more steps than these [default: 10000000]").value_parser(clap::value_parser!(u64)))
         .arg(value("state", "FILE", "A state to start from, as --save writes it; --start goes before"))
-        .arg(value("save", "FILE", "Write the start that was found: `simulate --state FILE` starts from it"))
+        .arg(value("save", "FILE", "Write the start that was found (.yaml, .yml, .txt): `simulate --state FILE` starts from it"))
         .arg(flag("json", "Print one JSON object"))
 }
 
@@ -288,7 +289,7 @@ fn orbit() -> Command {
         .arg(value("method", "METHOD", "As of `simulate` [default: auto]"))
         .arg(value("max-steps", "COUNT", "No more steps than these [default: 10000000]").value_parser(clap::value_parser!(u64)))
         .arg(value("state", "FILE", "A state to start from, as --save writes it; --start goes before"))
-        .arg(value("save", "FILE", "Write the start that was found: `simulate --state FILE` starts from it"))
+        .arg(value("save", "FILE", "Write the start that was found (.yaml, .yml, .txt): `simulate --state FILE` starts from it"))
         .arg(picture("plot", "Draw the motion with its multipliers, with --vary amplitudes and periods of the family, with --map where it is unstable"))
         .arg(flag("json", "Print one JSON object"))
 }

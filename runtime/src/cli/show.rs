@@ -101,7 +101,7 @@ fn print_form(loaded: &Loaded, options: &ArgMatches, out: &mut dyn Write) -> Res
 /// Prints M, C, K and B about the file's equilibrium or that of `--at`, as expressions of the parameters.
 fn linear(program: &Program, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let mut model = program.model.clone();
-    let mut place = model.equilibrium.clone();
+    let mut place = model.equilibrium.clone().unwrap_or_else(|| model.unsaid_place());
     for (name, text) in pairs(options, "at")? {
         let Some(coordinate) = model.coordinates.iter().position(|known| known.name == name) else {
             let names: Vec<&str> = model.coordinates.iter().map(|c| c.name.as_str()).collect();

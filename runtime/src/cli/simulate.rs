@@ -399,12 +399,15 @@ fn events(run: &Run, out: &mut dyn Write) -> Result<(), Problem> {
 /// Impulses, a line each; of many the first ones, and what all others took of the kinetic energy.
 fn impulses_in_words(loaded: &Loaded, run: &Run, out: &mut dyn Write) -> Result<(), Problem> {
     let joule = if has_units(loaded.system.description()) { " J" } else { "" };
-    let hit: Vec<&Impulse> = run.impulses.iter().filter(|impulse| !impulse.constraints.is_empty()).collect();
+    let hit = &run.impulses;
     let shown = if hit.len() <= FEW { hit.len() } else { FIRST };
     for impulse in &hit[..shown] {
-        let rows: Vec<String> = impulse.constraints.iter().map(|(name, p)| format!("{name} {}", short(*p))).collect();
+        let rows = impulse.constraints.iter().map(|(name, p)| format!("{name} {}", short(*p)));
+        let rows: Vec<String> =
+            rows.chain(impulse.inputs.iter().map(|name| format!("{name} turns or jumps"))).collect();
+        let what = if rows.is_empty() { "what time moves turns".to_owned() } else { rows.join(", ") };
         let (t, energy) = (short(impulse.t), short(impulse.energy));
-        writeln!(out, "  impulse at t = {t}: {}; kinetic energy {energy}{joule}", rows.join(", "))?;
+        writeln!(out, "  impulse at t = {t}: {what}; kinetic energy {energy}{joule}")?;
     }
     if let [first, ..] = &hit[shown..] {
         let energy: f64 = hit[shown..].iter().map(|impulse| impulse.energy).sum();

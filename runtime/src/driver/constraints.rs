@@ -49,6 +49,12 @@ impl Integration {
     /// Brings the present state to the constraints, and measures how independent they are there.
     pub(super) fn project_start(&mut self, system: &mut dyn System) -> Result<(), Box<Cause>> {
         let Some(projection) = &mut self.projection else { return Ok(()) };
+        // What is rounding beside the terms of a motion so far is not, beside those of one instant.
+        for values in self.seen_before.take().into_iter().flatten() {
+            let known = values.iter().zip(self.stepper.start().y);
+            let y: Vec<f64> = known.map(|(seen, now)| if seen.is_finite() { *seen } else { *now }).collect();
+            projection.observe(system, self.clock.now(), &y);
+        }
         let projected = projection.project(system, self.clock.now(), self.stepper.state_mut());
         projected.map_err(|fault| fault.cause(system.description()))?;
         projection.hold(system, self.clock.now(), self.stepper.start().y);

@@ -100,6 +100,10 @@ pub(crate) struct Integration {
     decorrelate_steps: bool,
     /// Steps of another run that limit those of this one.
     followed: Option<Followed>,
+    /// The start that this one was moved from by rounding.
+    beside: Option<Vec<f64>>,
+    /// The least and the largest values of a run that goes on in this one.
+    seen_before: Option<[Vec<f64>; 2]>,
     /// Events that do nothing, by their places.
     ignored_events: Vec<usize>,
     /// How many steps were taken since the last stop.
@@ -167,6 +171,8 @@ impl Integration {
             compensated: true,
             decorrelate_steps: false,
             followed: None,
+            beside: None,
+            seen_before: None,
             ignored_events: Vec::new(),
             since_stop: 0,
             even: 0.0,
@@ -219,6 +225,18 @@ impl Integration {
     /// Takes no steps that are longer than those of another run allow.
     pub fn following(mut self, followed: Option<Followed>) -> Self {
         self.followed = followed;
+        self
+    }
+
+    /// Begins beside this state, moved by rounding, which decides what is at its zero.
+    pub fn beginning_beside(mut self, start: Option<Vec<f64>>) -> Self {
+        self.beside = start;
+        self
+    }
+
+    /// Goes on with a run whose components were in these ranges.
+    pub fn having_seen(mut self, seen: Option<[Vec<f64>; 2]>) -> Self {
+        self.seen_before = seen;
         self
     }
 

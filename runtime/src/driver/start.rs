@@ -71,7 +71,8 @@ impl Integration {
             // Ticks end it sooner, wherever the motion ends.
             self.h = self.first(system, span.min(self.ticks.after(now) - now));
         }
-        locator.start(system, (now, &y), (self.h.min(span), span));
+        let beside = self.beside.as_deref().filter(|_| start == Starting::Anew);
+        locator.start(system, (now, &y), beside, (self.h.min(span), span));
         let (mut fired, mut past) = locator.at_start(system, (now, &y));
         if start == Starting::Prolonged {
             // What a contact does at the end of a piece waits for the next one.

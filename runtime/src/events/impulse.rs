@@ -36,7 +36,7 @@ const BESIDE: f64 = 64.0;
 const SHARP: f64 = 16.0;
 
 /// The jump of the speeds at a state where inputs went from `before` to `after`, (u, u', u'') of each; `None` where
-/// there is none.
+/// there is none.  The kinetic energy before it is known.
 ///
 /// # Errors
 /// [`Cause::InfiniteForce`] names an input whose jump has no finite consequence; [`Cause::SingularMass`].
@@ -45,6 +45,7 @@ pub(crate) fn impulse<S: System + ?Sized>(
     (t, y): (f64, &[f64]),
     before: &[f64],
     after: &[f64],
+    kinetic: f64,
 ) -> Result<Option<Impulse>, Box<Cause>> {
     let description = system.description();
     let n = system.len();
@@ -87,7 +88,7 @@ pub(crate) fn impulse<S: System + ?Sized>(
         return Ok(None);
     }
     let jump = moved(system, at, &push)?;
-    let energy = gained(system, (t, y), &jump);
+    let energy = kinetic_after(system, (t, y), &jump) - kinetic;
     Ok(Some(Impulse { t, inputs, constraints: Vec::new(), terms: sizes(&jump), jump, energy }))
 }
 
@@ -101,6 +102,23 @@ pub(crate) fn gained<S: System + ?Sized>(system: &S, (t, y): (f64, &[f64]), jump
     let (q, v) = y.split_at(jump.len());
     let after: Vec<f64> = v.iter().zip(jump).map(|(v, jump)| v + jump).collect();
     system.energy(At::new(t, q, &after)).kinetic - system.energy(At::new(t, q, v)).kinetic
+}
+
+/// How long before and after an instant what turns sharply in it has not turned yet, and has, s.
+fn apart(t: f64) -> f64 {
+    BESIDE * f64::EPSILON * t.abs().max(f64::MIN_POSITIVE / f64::EPSILON)
+}
+
+/// The kinetic energy just before what turns or jumps at t.
+pub(crate) fn kinetic_before<S: System + ?Sized>(system: &S, (t, y): (f64, &[f64])) -> f64 {
+    system.energy(At::packed(t - apart(t), y, system.len())).kinetic
+}
+
+/// The same just after it, the speeds having jumped.
+fn kinetic_after<S: System + ?Sized>(system: &S, (t, y): (f64, &[f64]), jump: &[f64]) -> f64 {
+    let (q, v) = y.split_at(jump.len());
+    let v: Vec<f64> = v.iter().zip(jump).map(|(v, jump)| v + jump).collect();
+    system.energy(At::new(t + apart(t), q, &v)).kinetic
 }
 
 /// M⁻¹ p.
@@ -158,8 +176,9 @@ pub(crate) fn turn<S: System + ?Sized>(
     system: &S,
     (t, resume): (f64, f64),
     y: &[f64],
+    kinetic: f64,
 ) -> Result<Option<Impulse>, Box<Cause>> {
-    let apart = BESIDE * f64::EPSILON * t.abs().max(f64::MIN_POSITIVE / f64::EPSILON);
+    let apart = apart(t);
     let times = [t - 2.0 * apart, t - apart, resume + apart, resume + 2.0 * apart];
     let [earlier, before, after, later] = times.map(|t| momenta(system, (t, y)));
     let change = |i: usize| {
@@ -173,6 +192,6 @@ pub(crate) fn turn<S: System + ?Sized>(
         return Ok(None);
     }
     let jump = moved(system, At::packed(t, y, system.len()), &push)?;
-    let energy = gained(system, (t, y), &jump);
+    let energy = kinetic_after(system, (resume, y), &jump) - kinetic;
     Ok(Some(Impulse { t, inputs: Vec::new(), constraints: Vec::new(), terms: sizes(&jump), jump, energy }))
 }

@@ -80,13 +80,8 @@ pub fn has_dependent_coordinates<S: System + ?Sized>(system: &S) -> bool {
     !system.active_rows().is_empty() || !system.description().rotations.is_empty()
 }
 
-/// Where a search for rest starts: the file's guess, or a motion's start where the file gives none and constraints must be met.
+/// Where a search for rest starts: the file's guess; where it gives none a motion's start where constraints must be met, else 0.
 pub(crate) fn guess_of_rest<S: System + ?Sized>(system: &S, start: &[f64]) -> Vec<f64> {
-    let guess = system.equilibrium_guess();
-    let rotations = &system.description().rotations;
-    let of_rotation = |i: usize| rotations.iter().any(|first| (*first as usize..*first as usize + 4).contains(&i));
-    // A rotation that the file says nothing of is as the first scene begins.
-    let unsaid = system.scene(0).q;
-    let given = guess.iter().enumerate().any(|(i, q)| *q != if of_rotation(i) { unsaid[i] } else { 0.0 });
-    if !given && has_dependent_coordinates(system) { start.to_vec() } else { guess }
+    let absent = || if has_dependent_coordinates(system) { start.to_vec() } else { vec![0.0; system.len()] };
+    system.equilibrium_guess().unwrap_or_else(absent)
 }

@@ -576,8 +576,8 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
         self.mechanism.scene(scene)
     }
 
-    fn equilibrium_guess(&self) -> Vec<f64> {
-        self.mechanism.equilibrium_guess().to_vec()
+    fn equilibrium_guess(&self) -> Option<Vec<f64>> {
+        self.mechanism.equilibrium_guess().map(Vec::from)
     }
 
     fn balances(&self, system: usize, at: At<'_>, matrix: &mut [f64], right: &mut [f64]) {

@@ -428,9 +428,9 @@ pub trait System: Send + Sync {
     /// A scene's start and settings, evaluated with the present parameters.
     fn scene(&self, scene: usize) -> Scene;
 
-    /// The guess for an equilibrium that the file gives (0 where it gives none); n numbers.
-    fn equilibrium_guess(&self) -> Vec<f64> {
-        vec![0.0; self.len()]
+    /// The guess for an equilibrium where the file gives one; n numbers.
+    fn equilibrium_guess(&self) -> Option<Vec<f64>> {
+        None
     }
 
     /// A (row by row) and b of the system of balances of this index, so that A·[q''; reactions] = b; nothing is

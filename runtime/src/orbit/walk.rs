@@ -208,7 +208,9 @@ impl Walk {
             };
             let steps = next.solution.steps;
             if (low..=high).contains(&next.value) {
-                family.members.push(self.member(&next, values.contains(&next.value)));
+                let member = self.member(&next, values.contains(&next.value));
+                let known = family.members.last().is_some_and(|last| last.asked && alike(last, &member, high - low));
+                family.members.extend((!known).then_some(member));
             }
             node = self.rescaled(next);
             h *= if steps <= EASY {
@@ -257,6 +259,12 @@ impl Walk {
         }
         let way = |member: &Member| (member.value - from.value).abs();
         between.sort_by(|a, b| way(a).total_cmp(&way(b)));
+        // A value that is asked for takes the place of a member that ended beside it by chance.
+        let near =
+            |last: &Member| !last.asked && between.iter().any(|next| next.asked && alike(last, next, high - low));
+        if family.members.last().is_some_and(near) {
+            family.members.pop();
+        }
         family.members.extend(between);
         Ok(changes)
     }
@@ -340,6 +348,13 @@ impl Walk {
             step *= 0.5;
         }
     }
+}
+
+/// Whether two members, one after the other in a family, are the same to what motions are known.
+fn alike(one: &Member, other: &Member, range: f64) -> bool {
+    let mut amplitudes = one.amplitudes.iter().zip(&other.amplitudes);
+    (one.value - other.value).abs() <= SHORTEST * range
+        && amplitudes.all(|(one, other)| (one - other).abs() <= SHORTEST * one.max(*other))
 }
 
 /// Directions of all unknowns in which structure lets motions move: each known direction along all pieces, with the sign that the maps give it.

@@ -310,6 +310,7 @@ fn alike(system: &mut dyn System, settings: &Settings, run: &Run) -> Settings {
     // It starts behind what happened at the start.
     if let Some(start) = run.rows.get(..2 * n) {
         (other.q, other.v) = (start[..n].to_vec(), start[n..].to_vec());
+        other.beside = Some(start.to_vec());
     }
     if let Some((_, phase)) = run.phases.iter().take_while(|(t, _)| *t == settings.from).last() {
         other.phase = *phase;

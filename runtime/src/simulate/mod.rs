@@ -237,6 +237,8 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
         .compensate(settings.compensated)
         .decorrelate_steps(settings.decorrelate_steps)
         .following(settings.followed.clone())
+        .beginning_beside(settings.beside.clone())
+        .having_seen(settings.resumed.as_ref().map(|resumed| resumed.seen.clone()))
         .ending_after(settings.ends_after)
         .ticking(Ticks::new(system, settings.from, settings.ticks.as_deref()))
         .ignoring(settings.ignored_events.clone())

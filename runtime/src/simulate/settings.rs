@@ -87,6 +87,8 @@ pub struct Settings {
     pub(crate) decorrelate_steps: bool,
     /// Steps of another run that limit those of this one.
     pub(crate) followed: Option<Followed>,
+    /// The start that this one was moved from by rounding, which decides what is at its zero there.
+    pub(crate) beside: Option<Vec<f64>>,
     /// Other times, in order, at which states are reported too.
     pub(crate) instants: Arc<[f64]>,
     /// Whether the run keeps the instants at which the equations change.
@@ -139,6 +141,7 @@ impl Settings {
             stabilisation: Stabilisation::default(),
             decorrelate_steps: false,
             followed: None,
+            beside: None,
             instants: Arc::from([]),
             junctions: false,
             ends_after: None,

@@ -359,3 +359,51 @@ fn free_motions_are_named_by_all_that_moves_in_them() {
     let along = flywheel.replace("J*phi'^2/2", "m*x'^2/2 + J*phi'^2/2").replace("r*phi)^2", "r*phi)^2*0 + k*phi^2*r*r");
     assert_eq!(told(&along), [": translation along x"]);
 }
+
+/// A wheel on a belt that an input drives, between springs.
+const BELT: &str = "\
+name: Belt
+parameters: {R: 0.2 m, m: 1 kg, J: 0.02 kg*m^2, k: 40 N/m, kt: 0.5 N*m/rad, Y: 0 m, c: 5 N*s/m, w: 3 rad/s}
+coordinates: {x: m, ph: rad}
+inputs: {belt: Y*sin(w*t)}
+bodies: {wh: {mass: m, inertia: J, angle: -ph, position: \"[x, R]\"}}
+springs: {s: {stretch: x, stiffness: k}, q: {stretch: ph, stiffness: kt}}
+dampers: {d: {rate: x', damping: c}}
+constraints: {roll: x' - R*ph' - belt'}
+outputs: {slip: x - R*ph - belt}
+scene: {start: {x: 0.02, ph: 0.1}, until: 5}
+";
+
+/// Where `modes` says that x of a file rests.
+fn rest_of(name: &str, text: &str) -> f64 {
+    let folder = folder(name);
+    let path = folder.join("model.yaml");
+    std::fs::write(&path, text).expect("written");
+    let printed = program(&["modes", path.to_str().expect("a path")]).expect("modes");
+    std::fs::remove_dir_all(folder).expect("removed");
+    let told = printed.split("equilibrium at x = ").nth(1).and_then(|rest| rest.split(' ').next()?.parse().ok());
+    told.unwrap_or_else(|| panic!("{printed}"))
+}
+
+/// Where it starts x = R ph + belt, which the motion keeps: it rests at 0.
+#[test]
+fn a_row_with_an_input_s_rate_keeps_its_integral() {
+    assert!(rest_of("belt", BELT).abs() < 1e-15);
+    // Its run ends there, too, and does not slip on the way, while the belt moves.
+    let run = case(&BELT.replace("until: 5", "until: 60")).run();
+    assert!(run.last()["x"].abs() < 1e-9 && run.last()["ph"].abs() < 1e-9, "{:?}", run.last());
+    let run = case(&BELT.replace("Y: 0 m", "Y: 0.05 m").replace("until: 5", "until: 5, tolerance: 1e-6")).run();
+    assert!(run.last()["slip"].abs() < 1e-14 && run.last()["x"].abs() > 1e-3, "{:?}", run.last());
+}
+
+/// A guess of zeros is a guess; without one integrals are those of the scene's start.
+#[test]
+fn a_guess_of_zeros_is_given() {
+    let wheel = BELT.replace(" - belt'", "").replace("x: 0.02, ph: 0.1", "x: 0.02, ph: 0.5");
+    for (guess, rest) in [("", 0.08), ("equilibrium: {x: 0, ph: 0}", 0.0), ("equilibrium: {x: 0.03, ph: 0.2}", 0.01)] {
+        // x − R ph is −0.08, 0, −0.01, and k x + kt ph/R = 0.
+        let x = -rest / (1.0 + 0.2_f64 * 0.2 * 40.0 / 0.5);
+        let told = rest_of("zeros", &format!("{wheel}{guess}\n"));
+        assert!((told - x).abs() <= 1e-5 * x.abs(), "{guess}: {told} for {x}");
+    }
+}

@@ -381,3 +381,36 @@ fn a_clock_stops_what_is_run_part_by_part() {
     let ticks = recorded.events.iter().filter(|event| event.name == "cut");
     assert_eq!(ticks.count(), 4);
 }
+
+/// A pendulum whose pivot turns sharply keeps its momentum: the report says so, with what the kinetic energy gains, the pivot's part included.
+#[test]
+fn impulses_of_inputs_are_reported_with_their_energy() {
+    const PIVOT: &str = r#"
+name: Pivot
+parameters: {m: 2 kg, l: 0.6 m, g: 9.81 m/s^2, v1: 0.5 m/s, v2: 1.1 m/s, t1: 1 s}
+coordinates: {th: rad}
+inputs: {u: "v1*t - v2*max(0, t - t1)"}
+bodies: {bob: {mass: m, position: "[u + l*sin(th), -l*cos(th)]"}}
+gravity: [0, -g]
+scene: {start: {th: 0.2}, until: 1, tolerance: 1e-12}
+"#;
+    // Without a name, by time itself, as well.
+    for (text, told) in [
+        (PIVOT.to_owned(), "impulse at t = 1: u turns or jumps; kinetic energy"),
+        (PIVOT.replace("inputs: {u: \"", "define: {u: \""), "impulse at t = 1: what time moves turns; kinetic energy"),
+    ] {
+        let run = case(&text).run();
+        let (th, after) = (run.last()["th"], run.last()["th'"]);
+        let [impulse] = &run.impulses[..] else { panic!("{:?}", run.impulses) };
+        assert!((impulse.jump[0] - th.cos() * 1.1 / 0.6).abs() < 1e-9, "{:?}", run.impulses);
+        let kinetic = |u: f64, rate: f64| (u + 0.6 * th.cos() * rate).powi(2) + (0.6 * th.sin() * rate).powi(2);
+        let gain = kinetic(-0.6, after) - kinetic(0.5, after - impulse.jump[0]);
+        assert!((impulse.energy - gain).abs() < 1e-9, "{} for {gain}", impulse.energy);
+        let folder = super::folder("pivot");
+        let path = folder.join("pivot.yaml");
+        std::fs::write(&path, &text).expect("written");
+        let printed = super::program(&["simulate", path.to_str().expect("a path")]).expect("a run");
+        assert!(printed.contains(told), "{printed}");
+        std::fs::remove_dir_all(folder).expect("removed");
+    }
+}

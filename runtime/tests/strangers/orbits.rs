@@ -209,3 +209,27 @@ fn modes_beside_a_turn_that_costs_nothing_were_not_found() {
     let along = orbit("along", text, &["--from", "mode 3", "--segments", "2"]).expect("an orbit");
     assert!((period(&along) / 1.992_93 - 1.0).abs() < 3e-6 && along.contains("no small change grows"), "{along}");
 }
+
+/// Steps of a family's walk end beside the end of its range, by rounding on one side of it or on the other.
+#[test]
+fn the_end_of_a_range_was_a_member_twice() {
+    let mathieu = "
+name: Mathieu
+parameters: {d: 1 1/s^2, e: 0.2 1/s^2, w: 2 rad/s, c: 0.02 1/s}
+coordinates: {x: 1}
+kinetic_energy: x'^2/2
+potential_energy: (d + e*cos(w*t))*x^2/2
+generalized_forces: {x: -c*x'}
+scene: {start: {x: 0}, until: 10}
+";
+    for range in ["w=1.7..2.3", "w=2.3..1.7", "w=1.7,2,2.3"] {
+        let printed = orbit("mathieu", mathieu, &["--vary", range]).expect("a family");
+        let values: Vec<&str> = printed
+            .lines()
+            .filter(|line| line.contains("stable  "))
+            .filter_map(|line| line.split_whitespace().next())
+            .collect();
+        assert!(values.len() > 10 && values.contains(&"2.3"), "{printed}");
+        assert!(values.windows(2).all(|pair| pair[0] != pair[1]), "{printed}");
+    }
+}

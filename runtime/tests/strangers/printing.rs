@@ -45,7 +45,7 @@ fn matrices_of_small_motions_are_those_of_a_textbook() {
 fn matrices_of_formulas_are_those_that_modes_computes() {
     let derived = compile(DRIVEN, &[]).unwrap();
     let mut model = derived.model.clone();
-    let place = model.equilibrium.clone();
+    let place = model.equilibrium.clone().expect("a guess");
     let text = Linearisation::about(&derived, &mut model, &place).unwrap().text(&model);
     let mut system = case(DRIVEN).system;
     let parameters = [1.3, 0.9, 21.0, 0.3, 0.25, 0.11, 3.7];
@@ -107,7 +107,7 @@ fn kinks_have_matrices_beside_them_only() {
     let found = |force: &str| {
         let derived = compile(&text(force), &[]).unwrap();
         let mut model = derived.model.clone();
-        let place = model.equilibrium.clone();
+        let place = model.unsaid_place();
         Linearisation::about(&derived, &mut model, &place).map(|linear| linear.text(&model))
     };
     assert_eq!(found("-k*max(x, 0)"), Err(NotLinear::Kink));

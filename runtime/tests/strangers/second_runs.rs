@@ -128,3 +128,47 @@ fn a_second_run_that_fails_was_said_to_want_a_smaller_tolerance() {
     let run = judged(&edge.replace("x: d", "x: 0.5*d"));
     assert!(run.digits("y").is_some_and(|digits| digits >= 9), "{:?}", run.digits("y"));
 }
+
+/// A fall that starts at the zero of an event, from rest or already moving: it has not left it before.
+#[test]
+fn a_second_run_left_the_zero_of_an_event_at_the_start() {
+    const FALL: &str = r#"
+name: Fall
+parameters: {m: 1 kg, g: 10 m/s^2, h: 5 m}
+coordinates: {y: m}
+bodies: {b: {mass: m, position: "[0, y]"}}
+gravity: [0, -g]
+memory: {n: 0}
+events: {below: {when: y - h, direction: falling, then: {set: {n: n + 1}}}}
+scene: {start: {y: 5}, until: 1}
+"#;
+    for (start, n) in [("y: 5", 0.0), ("y: 5, y': -1", 0.0), ("y: 5, y': 1", 1.0), ("y: 5.5", 1.0)] {
+        let run = judged(&FALL.replace("y: 5}", &format!("{start}}}")));
+        let differ = |warning: &Warning| matches!(warning, Warning::EventsDiffer { .. });
+        assert!(run.memory("n") == Some(n) && !run.warnings.iter().any(differ), "{start}: {:?}", run.warnings);
+    }
+}
+
+/// A planet in SI units, whose steps are many seconds long: the second run ended in steps that became shorter and shorter.
+#[test]
+fn slow_motions_have_digits() {
+    const PLANET: &str = r#"
+name: Planet
+parameters: {GM: 1.327e20 m^3/s^2, M1: 6e24 kg, F: 5e9 N}
+coordinates: {r: m, ph: rad}
+bodies: {p: {mass: M1, position: "r*[cos(ph), sin(ph)]"}}
+potential_energy: -GM*M1/r
+forces: {th: {on: p, force: "F*[-sin(ph), cos(ph)]"}}
+scene: {start: {r: 1.47e11, ph': 2.06e-7}, until: 8e8, tolerance: 1e-12}
+"#;
+    for until in ["6e8", "8e8", "1.5e9"] {
+        for tolerance in ["1e-10", "1e-11", "1e-12"] {
+            let run = judged(&PLANET.replace("8e8, tolerance: 1e-12", &format!("{until}, tolerance: {tolerance}")));
+            assert!(
+                run.warnings.is_empty() && run.digits("r") >= Some(4),
+                "{until} {tolerance}: {:?}",
+                run.digits("r")
+            );
+        }
+    }
+}

@@ -2,29 +2,31 @@
 
 use rustc_hash::FxHashMap as HashMap;
 
-use crate::expr::{Angles, Binary, Graph, Id, Node, Symbol, Tape, Unary, expand, partial};
+use crate::expr::{Angles, Binary, Graph, Id, Node, Symbol, Tape, Unary, expand, partial, substitute};
 use crate::number::DoubleDouble;
 use crate::random::Random;
 
 /// Steps of the search for one row's integral.
 const FUEL: usize = 400;
 
-/// A function I(q, t) with I' = Σ A_i q_i' + b: a row's elements A, then b; none where none is found.
+/// A function I(q, u, t) with I' = Σ A_i q_i' + b: a row's elements A, then b; none where none is found.
 ///
-/// One coordinate after the other, I grows by ∫ (A_i − ∂I/∂q_i) dq_i, in which no earlier coordinate can stand where the
-/// row is closed; sums of products of powers, sines and the like are integrated.  An integrable row that is not closed as
-/// it is written (it wants an integrating factor, or other rows) is not found.
+/// b is Σ B_k u_k' and a rest, inputs u and their rates being moved as coordinates are.  One after the other, I grows by
+/// ∫ (A_i − ∂I/∂q_i) dq_i, in which nothing earlier can stand where the row is closed; sums of products of powers, sines and
+/// the like are integrated.  An integrable row that is not closed as it is written (it wants an integrating factor, or other
+/// rows) is not found.
 pub(super) fn integral(graph: &mut Graph, row: &[(usize, Id)], drive: Id) -> Option<Id> {
     let mut fuel = FUEL;
-    let symbols = row.iter().map(|(i, _)| Symbol::Coordinate(*i as u32)).chain([Symbol::Time]);
-    let wanted: Vec<(Symbol, Id)> = symbols.zip(row.iter().map(|e| e.1).chain([drive])).collect();
-    // A coordinate without an element must not stand in the others: the integral would move with it.
+    let mut wanted: Vec<(Symbol, Id)> = row.iter().map(|(i, x)| (Symbol::Coordinate(*i as u32), *x)).collect();
+    let rest = of_inputs(graph, drive, &mut wanted);
+    wanted.push((Symbol::Time, rest));
+    // What has no element must not stand in the others: the integral would move with it.
     let moved: Vec<Symbol> = wanted.iter().map(|e| e.0).collect();
     let needed = graph.symbols(wanted.iter().map(|e| e.1));
     if needed.iter().any(|s| match s {
-        Symbol::Coordinate(_) => !moved.contains(s),
+        Symbol::Coordinate(_) | Symbol::Input(..) => !moved.contains(s),
         Symbol::Parameter(_) | Symbol::Time => false,
-        // The integral of an input is not known, and a jump has none.
+        // A jump has no integral.
         _ => true,
     }) {
         return None;
@@ -53,6 +55,24 @@ pub(super) fn integral(graph: &mut Graph, row: &[(usize, Id)], drive: Id) -> Opt
         found = graph.add(found, more);
     }
     Some(found)
+}
+
+/// Splits Σ B_k u_k' from what drives a row, the highest rates first, and returns the rest.
+fn of_inputs(graph: &mut Graph, drive: Id, wanted: &mut Vec<(Symbol, Id)>) -> Id {
+    let mut rest = drive;
+    let rates = graph.symbols([drive]).into_iter();
+    let mut rates: Vec<(u8, u32)> =
+        rates.filter_map(|s| if let Symbol::Input(k, order @ 1..) = s { Some((order, k)) } else { None }).collect();
+    rates.sort_unstable();
+    for (order, k) in rates.into_iter().rev() {
+        let rate = Symbol::Input(k, order);
+        let slope = partial(graph, rest, rate);
+        if slope != Id::ZERO && !contains(graph, slope, rate) {
+            wanted.push((Symbol::Input(k, order - 1), slope));
+            rest = substitute(graph, &[rest], &[(rate, Id::ZERO)].into_iter().collect())[0];
+        }
+    }
+    rest
 }
 
 /// ∫ e dx, where simple rules find it.

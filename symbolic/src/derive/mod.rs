@@ -184,7 +184,7 @@ fn derived(mut model: Model, eliminating: bool) -> Result<Derivation, Vec<Proble
     if model.graph.overflowed() {
         return Err(vec![too_large()]);
     }
-    let rough = rough_tables(&model, &equations, &rows, &signals);
+    let rough = rough_tables(&model, &equations, &rows, (&energies, &signals));
     if !rough.is_empty() {
         return Err(rough);
     }
@@ -382,45 +382,86 @@ fn moved_by_memory(model: &Model, equations: &[Equations], rows: &Rows, signals:
 }
 
 /// Tables of which derivatives that jump enter the equations of motion.
-fn rough_tables(model: &Model, equations: &[Equations], rows: &Rows, signals: &[[Id; 3]]) -> Vec<Problem> {
+fn rough_tables(
+    model: &Model,
+    equations: &[Equations],
+    rows: &Rows,
+    (energies, signals): (&Energies, &[[Id; 3]]),
+) -> Vec<Problem> {
     let graph = &model.graph;
     let of_rows = rows.matrix.iter().map(|entry| entry.2).chain(rows.bias.iter().copied());
-    let of_motion = equations.iter().flat_map(|e| {
-        let unformed = if e.bias.is_empty() { e.residual.as_slice() } else { &[] };
-        e.mass.iter().map(|entry| entry.2).chain(e.bias.iter().chain(unformed).copied())
-    });
-    let mut needed = graph.needed(of_motion.chain(of_rows));
-    let input = |id: &Id| match graph.node(*id) {
-        Node::Symbol(Symbol::Input(k, order)) => signals.get(k as usize)?.get(usize::from(order)).copied(),
-        _ => None,
-    };
-    let of_inputs: Vec<Id> = needed.iter().filter_map(input).collect();
-    needed.extend(graph.needed(of_inputs));
+    let of_motion: Vec<Id> = equations
+        .iter()
+        .flat_map(|e| {
+            let unformed = if e.bias.is_empty() { e.residual.as_slice() } else { &[] };
+            e.mass.iter().map(|entry| entry.2).chain(e.bias.iter().chain(unformed).copied())
+        })
+        .chain(of_rows)
+        .collect();
     // Of each table the derivative of the highest order, its name, and how smooth the table is.
     let mut worst: BTreeMap<&str, (u8, &str, Smooth)> = BTreeMap::new();
-    for id in needed {
-        let (whole, order, name, smooth) = match graph.node(id) {
-            Node::Unary(Unary::Table(table), _) => (table.whole().name(), table.order(), table.name(), table.smooth()),
-            Node::Binary(Binary::Table(table), ..) => {
-                let [x, y] = table.order();
-                (table.whole().name(), x.max(y), table.name(), table.smooth())
-            }
-            _ => continue,
-        };
+    let of_inputs = graph.needed(of_motion.iter().copied()).into_iter().filter_map(|id| match graph.node(id) {
+        Node::Symbol(Symbol::Input(k, order)) => signals.get(k as usize)?.get(usize::from(order)).copied(),
+        _ => None,
+    });
+    let needed = graph.needed(of_motion.iter().copied().chain(of_inputs.collect::<Vec<_>>()));
+    for (whole, order, name, smooth) in needed.into_iter().filter_map(|id| table(graph, id)) {
         if order > smooth.order() {
             let known = worst.entry(whole).or_insert((order, name, smooth));
             *known = if known.0 < order { (order, name, smooth) } else { *known };
         }
     }
+    if worst.is_empty() {
+        return Vec::new();
+    }
+    // Of what is straight the second derivative is no term, so that the equations do not tell what a smoother table would bring in: they are
+    // energies differentiated once more, and constraints.
+    let values = |holonomic: bool| {
+        let rows = rows.value.iter().zip(&rows.holonomic).filter(move |row| *row.1 == holonomic);
+        rows.map(|row| *row.0).collect::<Vec<Id>>()
+    };
+    let once = [vec![energies.kinetic, energies.potential], values(false)].concat();
+    let mut orders: BTreeMap<&str, u8> = BTreeMap::new();
+    for (roots, more) in [(of_motion, 0), (once, 1), (values(true), 2)] {
+        let mut note = |roots: &[Id], more: u8| {
+            for (whole, order, ..) in graph.needed(roots.iter().copied()).into_iter().filter_map(|id| table(graph, id))
+            {
+                let most = orders.entry(whole).or_default();
+                *most = (*most).max(order + more);
+            }
+        };
+        note(&roots, more);
+        for symbol in graph.symbols(roots) {
+            if let Symbol::Input(k, rate) = symbol
+                && let Some([signal, ..]) = signals.get(k as usize)
+            {
+                note(&[*signal], rate + more);
+            }
+        }
+    }
     let problem = |(whole, (order, slope, smooth)): (&str, (u8, &str, Smooth))| {
-        let help = match order {
-            1..=2 => format!("it is smooth enough with `smooth: {order}`"),
+        let help = match orders.get(whole).map_or(order, |most| order.max(*most)) {
+            enough @ 1..=2 => format!("it is smooth enough with `smooth: {enough}`"),
             _ => "no table is as smooth as that".to_owned(),
         };
         let place = Place::default().key("tables").key(whole);
         sections::rough_table(place.of_key(), whole, slope, smooth.order(), help)
     };
     worst.into_iter().map(problem).collect()
+}
+
+/// The table that a node is a derivative of, the order of that, its name, and how smooth the table is.
+fn table(graph: &Graph, id: Id) -> Option<(&'static str, u8, &'static str, Smooth)> {
+    match graph.node(id) {
+        Node::Unary(Unary::Table(table), _) => {
+            Some((table.whole().name(), table.order(), table.name(), table.smooth()))
+        }
+        Node::Binary(Binary::Table(table), ..) => {
+            let [x, y] = table.order();
+            Some((table.whole().name(), x.max(y), table.name(), table.smooth()))
+        }
+        _ => None,
+    }
 }
 
 /// The entry of the file with which the discontinuities are more than the limit.

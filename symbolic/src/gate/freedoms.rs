@@ -284,15 +284,17 @@ fn keep_integrals<'a, I: Iterator<Item = &'a State>>(graph: &mut Graph, rows: &m
     for row in 0..rows.len() {
         let Some(integral) = rows.integral[row] else { continue };
         let (elements, drive) = rows.of_integral(graph, row);
-        let line = elements.into_iter().map(|(i, x)| (Symbol::Coordinate(i as u32), x));
-        let wanted: Vec<(Symbol, Id)> = line.chain([(Symbol::Time, drive)]).collect();
-        let differences: Vec<Id> = wanted
-            .into_iter()
-            .map(|(symbol, wanted)| {
-                let slope = partial(graph, integral, symbol);
-                graph.sub(slope, wanted)
-            })
-            .collect();
+        let mut driven = partial(graph, integral, Symbol::Time);
+        for input in graph.symbols([integral]).into_iter().filter(|s| matches!(s, Symbol::Input(..))) {
+            let (slope, rate) = (partial(graph, integral, input), input.rate().map(|rate| graph.symbol(rate)));
+            let term = graph.mul(slope, rate.unwrap_or(Id::ZERO));
+            driven = graph.add(driven, term);
+        }
+        let mut differences = vec![graph.sub(driven, drive)];
+        for (i, wanted) in elements {
+            let slope = partial(graph, integral, Symbol::Coordinate(i as u32));
+            differences.push(graph.sub(slope, wanted));
+        }
         let tape = Tape::new(graph, &differences);
         let same = |x: &Measured| !x.value.is_finite() || x.vanishes(SAME);
         if !states().all(|state| tape.measured(|s| state.value(s)).iter().all(same)) {

@@ -277,6 +277,11 @@ fn named(name: &str) -> Option<Unit> {
 }
 
 fn help(name: &str) -> String {
+    // With another zero it is no multiple of a unit.
+    if ["degC", "celsius"].iter().any(|other| other.eq_ignore_ascii_case(name)) {
+        return "temperatures are in kelvin: 20 degrees Celsius are `293.15 K`, a difference of 20 degrees is `20 K`"
+            .to_owned();
+    }
     let meant = MEANT.iter().find(|(other, _)| other.eq_ignore_ascii_case(name)).map(|(_, unit)| *unit);
     let product = || product(name).map(|(first, second)| format!("{first}*{second}"));
     let near = || nearest(name, COMMON.iter().copied()).map(str::to_owned);
@@ -341,8 +346,6 @@ const MEANT: &[(&str, &str)] = &[
     ("coulomb", "C"),
     ("tesla", "T"),
     ("kelvin", "K"),
-    // A temperature with another zero: write it in kelvin.
-    ("degC", "K"),
 ];
 
 const COMMON: &[&str] = &[
@@ -385,8 +388,11 @@ mod tests {
         }
         assert_eq!(parse_unit("K").unwrap().dimension, [0, 0, 0, 0, 2]);
         assert_eq!(parse_unit("mT").unwrap().scale, Rational::new(1, 1000).unwrap());
-        for (text, meant) in [("Ohm", "ohm"), ("degC", "K"), ("volt", "V")] {
+        for (text, meant) in [("Ohm", "ohm"), ("volt", "V")] {
             assert_eq!(parse_unit(text).unwrap_err()[0].help, format!("did you mean `{meant}`?"), "{text}");
+        }
+        for text in ["degC", "Celsius"] {
+            assert!(parse_unit(text).unwrap_err()[0].help.contains("293.15 K"), "{text}");
         }
     }
 
@@ -425,6 +431,9 @@ mod tests {
         assert_eq!(rpm.dimension, parse_unit("rad/s").unwrap().dimension);
         for (text, meant) in [("t", "Mg"), ("hours", "h"), ("kmh", "km/h"), ("kmin", "min")] {
             assert_eq!(parse_unit(text).unwrap_err()[0].help, format!("did you mean `{meant}`?"), "{text}");
+        }
+        for text in ["degC", "Celsius"] {
+            assert!(parse_unit(text).unwrap_err()[0].help.contains("293.15 K"), "{text}");
         }
     }
 

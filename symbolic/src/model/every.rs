@@ -58,7 +58,7 @@ impl Model {
         let motions = self.motions.iter_mut().map(|motion| &mut motion.scene);
         let scenes = self.scenes.iter_mut().chain(motions);
         found.extend(scenes.flat_map(|scene| &mut scene.start_conditions).map(|(quantity, _)| quantity));
-        found.extend(&mut self.equilibrium);
+        found.extend(self.equilibrium.iter_mut().flatten());
         found
     }
 }

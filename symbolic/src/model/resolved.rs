@@ -117,8 +117,8 @@ pub struct Model {
     pub scenes: Vec<Scene>,
     /// Motions that are asked for.
     pub motions: Vec<Motion>,
-    /// The guess for an equilibrium, one expression of parameters per coordinate.
-    pub equilibrium: Vec<Id>,
+    /// The guess for an equilibrium where the file gives one, an expression of parameters per coordinate.
+    pub equilibrium: Option<Vec<Id>>,
     /// What is doubtful and no error.
     pub warnings: Vec<Problem>,
     /// The model's names, for expressions that come later.
@@ -142,6 +142,16 @@ pub struct StateOfFirstOrder {
 }
 
 impl Model {
+    /// Where a file says nothing of a place: 0, and rotations as the first scene begins, since a quaternion of zeros is none.
+    pub fn unsaid_place(&self) -> Vec<Id> {
+        let mut place = vec![Id::ZERO; self.coordinates.len()];
+        for rotation in &self.rotations {
+            let numbers = rotation.first..rotation.first + 4;
+            place[numbers.clone()].copy_from_slice(&self.scenes[0].q[numbers]);
+        }
+        place
+    }
+
     /// The unit of each coordinate as written; of a hidden one that of its state.
     pub fn units_of_coordinates(&self) -> impl Iterator<Item = &Option<String>> {
         let own = self.coordinates[..self.mechanical()].iter().map(|c| &c.unit);

@@ -20,7 +20,7 @@ pub(super) fn scenes(program: &Program, bodies: &Bodies<'_>) -> String {
     let mut out = sets(&scenes, bodies, &parameters);
     let constrained = !model.constraints.is_empty() || scenes.iter().any(|scene| !scene.start_conditions.is_empty());
     out += &starts(&scenes, bodies, &parameters, model.coordinates.len(), constrained);
-    out += &guess(&model.equilibrium, bodies, &parameters);
+    out += &guess(model.equilibrium.as_deref(), model.coordinates.len(), bodies, &parameters);
     out += &restitutions(&program.restitutions(), bodies);
     out += &frequencies(program.frequencies.as_deref(), bodies);
     out + &list_of("start_condition_values", &program.start_condition_values(), bodies, &parameters)
@@ -164,13 +164,13 @@ fn list_of(name: &str, values: &[Id], bodies: &Bodies<'_>, parameters: &str) -> 
     format!("\n    fn {name}(&self) -> ::std::vec::Vec<f64> {{\n{body}    }}\n")
 }
 
-fn guess(equilibrium: &[Id], bodies: &Bodies<'_>, parameters: &str) -> String {
-    let n = equilibrium.len();
-    let body = if equilibrium.iter().all(|id| *id == Id::ZERO) {
-        format!("        [0.0; {n}]\n")
-    } else {
-        let function = of_constants(bodies, "values", equilibrium, "        ");
-        format!("{function}        values(&{parameters})\n")
+fn guess(equilibrium: Option<&[Id]>, n: usize, bodies: &Bodies<'_>, parameters: &str) -> String {
+    let body = match equilibrium {
+        None => "        ::core::option::Option::None\n".to_owned(),
+        Some(values) => {
+            let function = of_constants(bodies, "values", values, "        ");
+            format!("{function}        ::core::option::Option::Some(values(&{parameters}))\n")
+        }
     };
-    format!("\n    fn equilibrium_guess(&self) -> [f64; {n}] {{\n{body}    }}\n")
+    format!("\n    fn equilibrium_guess(&self) -> ::core::option::Option<[f64; {n}]> {{\n{body}    }}\n")
 }

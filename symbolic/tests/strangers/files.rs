@@ -213,3 +213,46 @@ fn a_delay_is_answered_with_a_state() {
     }
     accepted(&file("2*lag - x", "states: {lag: {unit: m, rate: 2*(x - lag)/tau}}\n"));
 }
+
+/// A table that is straight between its points in all places from which it may enter the equations of motion: what the help of E320 says is
+/// enough, and less is not.
+#[test]
+fn the_help_of_rough_tables_suffices() {
+    let file = |smooth: u8, rest: &str| {
+        format!(
+            "name: T\ntables: {{ramp: {{points: [[0, 0], [1, 0.5], [1.5, 0.2], [3, 0.2]], smooth: {smooth}}}}}\n\
+             coordinates: {{x: , y: }}\ninputs: {{u: ramp(t)}}\n{rest}"
+        )
+    };
+    let plain = "kinetic_energy: x'^2/2 + y'^2/2";
+    for (rest, enough) in [
+        ("bodies: {b: {mass: 1, position: \"[u + x, y]\"}}".to_owned(), 2),
+        ("bodies: {b: {mass: 1, position: \"[x, y + ramp(x)]\"}}".to_owned(), 2),
+        (format!("{plain}\ndissipation: (x' - u')^2/2"), 1),
+        (format!("{plain}\npotential_energy: ramp(x)"), 1),
+        (format!("{plain}\npotential_energy: (x - u)^2/2\ndissipation: (x' - u')^2/2"), 1),
+        (format!("{plain}\nconstraints: {{c: y - ramp(x)}}"), 2),
+        (format!("{plain}\nconstraints: {{c: y - u}}"), 2),
+        (format!("{plain}\nconstraints: {{c: y' - u}}"), 1),
+    ] {
+        let problems = compile(&file(0, &rest), &[]).expect_err(&rest);
+        assert_eq!(problems[0].code, "E320", "{rest}: {problems:?}");
+        assert_eq!(problems[0].help, format!("it is smooth enough with `smooth: {enough}`"), "{rest}");
+        accepted(&file(enough, &rest));
+        refused(&file(enough - 1, &rest), "E320");
+    }
+    accepted(&file(0, &format!("{plain}\npotential_energy: (x - u)^2/2")));
+}
+
+#[test]
+fn an_index_that_hides_a_family_is_named() {
+    let file = |index: &str| {
+        format!(
+            "name: T\nparameters: {{k: 3 N/m}}\ncoordinates: {{\"x[i in 1..2]\": m}}\n\
+             bodies: {{\"b[i in 1..2]\": {{mass: 1 kg, position: \"[x[i], 0]\"}}}}\n\
+             springs: {{\"s[{index} in 1..2]\": {{stretch: \"x[{index}]\", stiffness: k}}}}"
+        )
+    };
+    refused(&file("x"), "E204 the index `x` hides");
+    accepted(&file("i"));
+}

@@ -7,7 +7,7 @@ mod start;
 use super::Log;
 use super::arguments::{Arguments, Course};
 use super::features::FeatureDetector;
-use super::impulse::{Impulse, impulse, turn};
+use super::impulse::{Impulse, impulse, kinetic_before, turn};
 use super::modes::{self, Chosen, Known, Trial};
 use super::sample::{self, Sampler};
 use super::scan::{Crossing, Scanner};
@@ -570,6 +570,7 @@ impl EventLocator {
             let inputs = 3 * system.description().inputs.len();
             let (mut before, mut after) = (vec![0.0; inputs], vec![0.0; inputs]);
             system.inputs(t, &mut before);
+            let kinetic = if timed { kinetic_before(system, (t, y)) } else { 0.0 };
             for (input, one) in breaks {
                 before[3 * input..3 * input + 3].copy_from_slice(&one.value);
                 resume = resume.max(one.after);
@@ -577,9 +578,9 @@ impl EventLocator {
             self.choose(system, (resume, y), None, trial)?;
             system.inputs(resume, &mut after);
             if timed {
-                impulse = self::impulse(system, (t, y), &before, &after)?;
+                impulse = self::impulse(system, (t, y), &before, &after, kinetic)?;
                 if impulse.is_none() {
-                    impulse = turn(system, (t, resume), y)?;
+                    impulse = turn(system, (t, resume), y, kinetic)?;
                 }
             }
             if let Some(impulse) = &impulse {

@@ -5,12 +5,26 @@ use super::{EventLocator, Fired, counts};
 use crate::mechanism::{Action, Direction, System};
 
 impl EventLocator {
-    /// Notes on which side of zero events' functions are where a motion of `span` seconds starts with a step of `step`.
-    pub fn start<S: System + ?Sized>(&mut self, system: &S, (t, y): (f64, &[f64]), (step, span): (f64, f64)) {
+    /// Notes on which side of zero events' functions are where a motion of `span` seconds starts with a step of `step`.  What is at its zero at
+    /// the start `beside` this one, which was moved by rounding, is so here.
+    pub fn start<S: System + ?Sized>(
+        &mut self,
+        system: &S,
+        (t, y): (f64, &[f64]),
+        beside: Option<&[f64]>,
+        (step, span): (f64, f64),
+    ) {
         for event in 0..self.sampler.events() {
-            let zero = self.sampler.zero_at_start(system, event, (t, y), step);
+            let mut zero = self.sampler.zero_at_start(system, event, (t, y), step);
+            let zero_beside = beside.map(|y| {
+                let zero = self.sampler.zero_at_start(system, event, (t, y), step);
+                self.sampler.value(event).abs() <= zero
+            });
             self.sampler.at_state(system, t, y);
             let value = self.sampler.value(event);
+            if zero_beside == Some(true) {
+                zero = zero.max(value.abs());
+            }
             // A force that holds was decided to be within its limits: what it is beyond them is rounding.
             let zero = if self.scanner.holds(event) { zero.max(-value) } else { zero };
             let on = value.is_nan() || value.abs() <= zero;

@@ -221,12 +221,15 @@ impl<T: Scheme, Y: Block> OneStep for ExplicitRungeKutta<T, Y> {
         let Some(before) = Self::END.checked_sub(1).filter(|before| *before > 0) else { return 0.0 };
         let (last, rates) = (self.stages[Self::END].all(), self.stages[before].all());
         let (end, argument) = (self.end.all(), self.arguments[before % 2].all());
-        let mut above = 0.0;
-        let mut below = 0.0;
+        let [mut above, mut below] = [[0.0; 2]; 2];
         for i in 0..end.len() {
-            above += (last[i] - rates[i]).powi(2);
-            below += (end[i] - argument[i]).powi(2);
+            let kind = usize::from(i >= self.n);
+            above[kind] += (last[i] - rates[i]).powi(2);
+            below[kind] += (end[i] - argument[i]).powi(2);
         }
+        // Speeds count as the way that they lead over the step: in a unit of time that is much shorter a place that moves evenly would have
+        // as large a rate as its speed is beside it.
+        let [above, below] = [above, below].map(|[places, speeds]| places + h * h * speeds);
         let noticed = below > 0.0 && above * (h * h) > below * (least * least);
         if noticed { h.abs() * (above / below).sqrt() } else { 0.0 }
     }

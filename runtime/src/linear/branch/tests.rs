@@ -82,10 +82,6 @@ impl System for Tuned {
         Scene { q: zero.clone(), v: zero, until: 1.0, tolerance: 1e-9, every: None, ..Scene::default() }
     }
 
-    fn equilibrium_guess(&self) -> Vec<f64> {
-        vec![0.0; self.len()]
-    }
-
     fn boxed_clone(&self) -> Box<dyn System> {
         Box::new(self.clone())
     }

@@ -72,7 +72,7 @@ fn flat(points: &[[f64; 2]]) -> Vec<f64> {
 
 pub fn linear(m: DMatrix<f64>, c: DMatrix<f64>, k: DMatrix<f64>) -> Linearised {
     let system = LinearMechanism::new(m, c, k).unwrap();
-    let rest = equilibrium_near(&system, &Guess::at(&system.equilibrium_guess())).unwrap();
+    let rest = equilibrium_near(&system, &Guess::at(&vec![0.0; system.len()])).unwrap();
     linearise(&system, &rest).unwrap()
 }
 

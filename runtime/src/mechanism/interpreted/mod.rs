@@ -466,9 +466,9 @@ impl System for Interpreted {
         }
     }
 
-    fn equilibrium_guess(&self) -> Vec<f64> {
-        let guess = &self.interpreter.program().model.equilibrium;
-        guess.iter().map(|id| self.interpreter.constant(*id)).collect()
+    fn equilibrium_guess(&self) -> Option<Vec<f64>> {
+        let guess = self.interpreter.program().model.equilibrium.as_ref()?;
+        Some(guess.iter().map(|id| self.interpreter.constant(*id)).collect())
     }
 
     fn balances(&self, system: usize, at: At<'_>, matrix: &mut [f64], right: &mut [f64]) {

@@ -24,7 +24,9 @@ impl Lower<'_> {
     pub(super) fn name(&mut self, name: &str, indices: &[Ast], primes: u8, span: Span) -> Value {
         if let Some(local) = self.local(name) {
             if !indices.is_empty() {
-                return self.refuse(names::not_indexed(self.place(span), name));
+                let hides = self.scope.names.contains_key(name);
+                let problem = if hides { names::index_hides_name } else { names::not_indexed };
+                return self.refuse(problem(self.place(span), name));
             }
             let found = if matches!(local, Local::Integer(_)) { "an index" } else { "a bound variable" };
             return self.unprimed(name, primes, found, span, |lower| match local {

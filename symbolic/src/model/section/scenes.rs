@@ -478,17 +478,13 @@ impl Resolver<'_> {
 
     /// `equilibrium`: where the search starts.
     fn equilibrium(&mut self) {
-        self.model.equilibrium = vec![Id::ZERO; self.model.coordinates.len()];
-        // A quaternion of zeros is no rotation.
-        for rotation in &self.model.rotations {
-            let places = rotation.first..rotation.first + 4;
-            self.model.equilibrium[places.clone()].copy_from_slice(&self.model.scenes[0].q[places]);
-        }
         let Some(spot) = self.root.get("equilibrium") else { return };
+        let mut guess = self.model.unsaid_place();
         let given = self.coordinates_given(&spot, Rules::constant("an equilibrium of it"), "an equilibrium is at rest");
         for (coordinate, value) in given {
-            self.model.equilibrium[coordinate] = value;
+            guess[coordinate] = value;
         }
+        self.model.equilibrium = Some(guess);
     }
 
     /// Values of coordinates, each once; `at_rest` says why there are no speeds.
