@@ -12,7 +12,9 @@ use super::turns::{Symmetries, later};
 use crate::linear::matrices::{expm, natural_sizes};
 use crate::linear::{FirstOrder, Guess, LinearError, Stability, first_order_modes};
 use crate::matrix::solve_least;
-use crate::mechanism::{System, rows_in_force};
+use crate::mechanism::System;
+#[cfg(feature = "cli")]
+use crate::mechanism::rows_in_force;
 
 /// Shifts that constraints do not allow miss them by more than this part of themselves.
 const MISSED: f64 = 1e-9;
