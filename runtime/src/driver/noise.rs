@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::{Integration, Step, StepPolicy};
-use crate::integrate::PERTURBATION;
+use crate::integrate::{OneStep, PERTURBATION, Tolerance};
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{constraint_matrix, mass_matrix};
 use crate::mechanism::{At, Enforcement, System, factor_packed, rows_in_force, substitute_back, substitute_forward};
@@ -36,13 +36,10 @@ impl StagnatingError {
 }
 
 impl Integration {
-    /// Looks whether the error of a rejected step is the same part of what it changes by in any step: that of what sets off
-    /// from rest by a high power of time.  If so the tolerance takes note.
+    /// As [`note_start_up_errors`], after a rejected step of this run.
     pub(super) fn look_for_start_up_error(&mut self, stagnating: &mut StagnatingError, (error, h): (f64, f64)) {
         let StepPolicy::Adaptive { tolerance, .. } = &mut self.policy else { return };
-        if stagnating.remains(error, h, tolerance.relative) {
-            tolerance.note_start_up_errors(self.stepper.errors());
-        }
+        note_start_up_errors(stagnating, tolerance, self.stepper.as_ref(), (error, h));
     }
 
     /// Looks whether what was rejected twice running, or once of what is at rest, is rounding; if so the tolerance takes note.
@@ -156,6 +153,28 @@ impl Integration {
             raise(&mut noise, by_reactions(system, At::packed(now + tick * now, &y, n)));
         }
         noise
+    }
+}
+
+/// Looks whether the error of a rejected step is the same part of what it changes by in any step: that of what sets off from rest by a high
+/// power of time.  If so the tolerance takes note.
+///
+/// What has a speed or an acceleration at the step's start is no such thing: as long as its own error is too large, so is the step.
+pub(super) fn note_start_up_errors(
+    stagnating: &mut StagnatingError,
+    tolerance: &mut Tolerance,
+    stepper: &dyn OneStep,
+    (error, h): (f64, f64),
+) {
+    let (start, end, errors) = (stepper.start(), stepper.end(), stepper.errors());
+    let n = errors.len() / 2;
+    let is_missed = |i: usize| {
+        let units = tolerance.units(i, h, (start.y, end.y), start.rate);
+        tolerance.moves(i, h, [start.y[n + i], start.rate[n + i]], 0.0)
+            && [i, n + i].iter().zip(units).any(|(k, unit)| errors[*k].abs() > unit)
+    };
+    if stagnating.remains(error, h, tolerance.relative) && !(0..n).any(is_missed) {
+        tolerance.note_start_up_errors(errors);
     }
 }
 

@@ -1,6 +1,6 @@
 //! A fixed step that suits a tolerance, found by trial steps over the start.
 
-use super::noise::{StagnatingError, by_terms};
+use super::noise::{StagnatingError, by_terms, note_start_up_errors};
 use super::{Integration, StepPolicy};
 use crate::constrain::Projection;
 use crate::integrate::{OneStep, StepControl, StepFailure, Tolerance, Trial, longest_step, order, stepper};
@@ -121,9 +121,7 @@ fn scout(
             moved.is_ok_and(|moved| stepper.conclude(system, t + h, moved) == Ok(true))
         };
         if !concluded {
-            if stagnating.remains(error, h, SCOUT) {
-                known.note_start_up_errors(stepper.errors());
-            }
+            note_start_up_errors(&mut stagnating, &mut known, stepper.as_ref(), (error, h));
             note_rounding(system, (t, until), stepper.as_ref(), h, [&mut known, tolerance]);
             h = control.rejected(h, if error <= 1.0 { f64::NAN } else { error });
             continue;
