@@ -48,8 +48,7 @@ fn a_sleigh_has_three_freedoms_of_configuration_and_two_of_velocity() {
 #[test]
 fn rows_with_rates_of_inputs_have_integrals() {
     let with = |row: &str| format!("inputs: {{u: sin(t), w: t^3}}\nconstraints: {{row: \"{row}\"}}");
-    for row in ["x' - 0.2*ph' - u'", "u*x' + u'*x - ph'", "x' - u'*u'' + w' - 2*t", "x' + ph*u*w' + ph*u'*w + ph'*u*w"]
-    {
+    for row in ["x' - 0.2*ph' - u'", "u*x' + u'*x - ph'", "x' - u*u' + w' - 2*t", "x' + ph*u*w' + ph*u'*w + ph'*u*w"] {
         holds("x ph", &with(row), (1, 1), &[Integral]);
     }
     // The integral of u itself is not in the file.

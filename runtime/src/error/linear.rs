@@ -36,6 +36,8 @@ pub enum LinearError {
     },
     /// The mechanism has constraints, or coordinates of kind `rotation`: it is linearised in independent coordinates, by `linearise_constrained`.
     HasConstraints,
+    /// A guess that moves, of a mechanism with states of first order or held values and with constraints or rotations: only its rests are known.
+    SteadyWithStates,
     /// The mechanism has states of first order: M, C and K do not hold them, `linearise_states` does.
     HasStates,
     /// Nothing happens at ticks, so that no loop is sampled.
@@ -236,12 +238,13 @@ impl fmt::Display for LinearError {
             LinearError::HasStates => f.write_str(
                 "the mechanism has states of first order, which M, C and K do not hold: `modes` prints A, and `linearise_states` gives it",
             ),
-            LinearError::HasConstraints => {
-                write!(
-                    f,
-                    "the mechanism has constraints or rotations: linearise it in independent coordinates (`linearise_constrained`)"
-                )
-            }
+            LinearError::HasConstraints => f.write_str(
+                "the mechanism has constraints or rotations: linearise it in independent coordinates (`linearise_constrained`)",
+            ),
+            LinearError::SteadyWithStates => f.write_str(
+                "steady motions of what has both states of first order or held values and constraints or rotations are not known, only its rests: \
+                 leave the speeds out (`--steady`), or write the mechanism in independent coordinates",
+            ),
             LinearError::VelocityConstraint { constraint } => write!(
                 f,
                 "the constraint `{constraint}` contains speeds, without a known integral: there are no independent coordinates to \

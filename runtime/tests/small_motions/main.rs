@@ -3,6 +3,7 @@
 #![cfg(all(feature = "cli", feature = "modal"))]
 
 mod branches;
+mod first_order;
 mod rests;
 mod rolling;
 mod rotations;

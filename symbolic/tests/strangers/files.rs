@@ -226,7 +226,6 @@ fn the_help_of_rough_tables_suffices() {
     };
     let plain = "kinetic_energy: x'^2/2 + y'^2/2";
     for (rest, enough) in [
-        ("bodies: {b: {mass: 1, position: \"[u + x, y]\"}}".to_owned(), 2),
         ("bodies: {b: {mass: 1, position: \"[x, y + ramp(x)]\"}}".to_owned(), 2),
         (format!("{plain}\ndissipation: (x' - u')^2/2"), 1),
         (format!("{plain}\npotential_energy: ramp(x)"), 1),
@@ -241,7 +240,9 @@ fn the_help_of_rough_tables_suffices() {
         accepted(&file(enough, &rest));
         refused(&file(enough - 1, &rest), "E320");
     }
+    // What acts by its place alone, or moves a body evenly but for the impulses of its turns.
     accepted(&file(0, &format!("{plain}\npotential_energy: (x - u)^2/2")));
+    accepted(&file(0, "bodies: {b: {mass: 1, position: \"[u + x, y]\"}}"));
 }
 
 #[test]

@@ -52,7 +52,7 @@ impl Reaction {
 }
 
 /// The reactions of the rows in force.
-fn reactions(loaded: &Loaded, reader: &mut Reader) -> Result<Vec<Reaction>, Problem> {
+pub fn reactions(loaded: &Loaded, reader: &mut Reader) -> Result<Vec<Reaction>, Problem> {
     let description = loaded.system.description();
     let rows = loaded.system.active_rows().iter().map(|row| &description.rows[*row as usize]);
     let reaction = |row: &Row| {

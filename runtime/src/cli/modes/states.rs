@@ -12,6 +12,7 @@ use super::super::json::{number, object};
 use super::super::load::Loaded;
 use super::super::set_up::Reader;
 use super::super::{Problem, json};
+use super::constrained::reactions;
 use super::tangent::{told, verdict};
 use super::trim::Trim;
 use super::{MOST_PRINTED, Place, failed, rows, state_space};
@@ -39,12 +40,6 @@ pub fn run(
         )));
     }
     let system = &*loaded.system;
-    if !system.active_rows().is_empty() || !system.description().rotations.is_empty() {
-        return Err(Problem::usage(
-            "small motions of models that have both states of first order and constraints or rotations are not known; \
-             write the mechanism in independent coordinates, or follow a small departure by `simulate`",
-        ));
-    }
     let found = linearise_states(system, guess, *here).map_err(failed)?;
     let mut written = Vec::new();
     let space = || state_space::of_states(loaded, options, reader, &found);
@@ -54,6 +49,9 @@ pub fn run(
     }
     trim.iter().try_for_each(|trim| trim.table(&loaded.name, out))?;
     table(&loaded.name, &found, out)?;
+    for (row, (_, value)) in reactions(loaded, reader)?.iter().zip(&found.reactions) {
+        writeln!(out, "{}", row.told("at rest", *value))?;
+    }
     Ok(out.write_all(&written)?)
 }
 
@@ -113,8 +111,11 @@ fn as_json(name: &str, found: &StateSpace, trim: Option<&Trim>) -> Value {
         ("model", json!(name)),
         ("equilibrium", named(&found.place)),
         ("speeds", named(&found.speeds)),
+        ("reactions", named(&found.reactions)),
         ("residual", number(found.residual)),
         ("variables", json!(found.variables)),
+        ("coordinates", json!(found.coordinates)),
+        ("motions", matrix(&found.motions.rows(0, found.coordinates.len()).into_owned())),
         ("inputs", json!(found.inputs)),
         ("A", matrix(&found.matrix)),
         ("B", matrix(&found.input)),

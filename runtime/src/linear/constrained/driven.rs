@@ -17,7 +17,7 @@ use crate::linear::forced::slopes_of;
 use crate::linear::{Drive, LinearError, Observed, Source, SparseMatrix, Steady};
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{constraint_rates_by_inputs, force_slopes, input_matrix};
-use crate::mechanism::{Solutions, System, rows_in_force};
+use crate::mechanism::{Description, Solutions, System, rows_in_force};
 
 /// Rows that inputs move may be missed by this part of their terms.
 const MISSED: f64 = 1e-9;
@@ -25,7 +25,7 @@ const MISSED: f64 = 1e-9;
 const ROUNDING: f64 = 1e-9;
 
 /// The linear model in all coordinates, and how these follow independent ones and inputs.
-pub(super) struct Whole {
+pub(in crate::linear) struct Whole {
     mass: DMatrix<f64>,
     damping: DMatrix<f64>,
     stiffness: DMatrix<f64>,
@@ -52,7 +52,7 @@ impl Whole {
     ///
     /// # Errors
     /// [`LinearError::DependentHere`].
-    pub fn of<S: System + ?Sized>(held: &ConstrainedState<'_, S>, state: &State) -> Result<Whole, LinearError> {
+    pub(super) fn of<S: System + ?Sized>(held: &ConstrainedState<'_, S>, state: &State) -> Result<Whole, LinearError> {
         let [stiffness, damping] = force_slopes(held.system, state.at());
         let jacobian = held.jacobian(state);
         let Solutions { basis: motions, independent, .. } = Solutions::of(&held.holding(state), &[]);
@@ -165,7 +165,7 @@ impl Whole {
     }
 
     /// B (u, u', u'') − K P u − C P u' − M P u'', in all coordinates.
-    fn pushed(&self) -> DMatrix<f64> {
+    pub fn pushed(&self) -> DMatrix<f64> {
         let mut pushed = self.input.clone();
         for (order, matrix) in [&self.stiffness, &self.damping, &self.mass].into_iter().enumerate() {
             let back = matrix * &self.carried;
@@ -186,6 +186,33 @@ impl Whole {
     pub fn forces(&self) -> SparseMatrix {
         SparseMatrix::from_dense(&self.motions.transpose())
     }
+}
+
+/// The first answer that depends on how constraints that say the same share a load, by the slopes of answers by multipliers, what multipliers do,
+/// and its inverse.
+pub(super) fn not_unique(
+    by_multipliers: &DMatrix<f64>,
+    inverse: &DMatrix<f64>,
+    effects: &DMatrix<f64>,
+) -> Option<usize> {
+    let left = by_multipliers - by_multipliers * inverse * effects;
+    (0..left.nrows()).find(|row| left.row(*row).amax() > ROUNDING * by_multipliers.row(*row).amax())
+}
+
+/// Answers by independent coordinates, inputs that move and forces, at a place with these multipliers and rows in force.
+///
+/// # Errors
+/// As [`Constrained::observe`].
+pub(super) fn observed(
+    description: &Description,
+    probe: &LinearisationPoint,
+    (whole, lambda): (&Whole, &[f64]),
+    (q, rows): (&[f64], &[usize]),
+    names: &[&str],
+) -> Result<Observed, LinearError> {
+    let (mut seen, by_multipliers) = slopes_of(description, probe, q, lambda, names)?;
+    seen.input = seen.input.select_columns(&triples(&whole.moving));
+    whole.answers(seen, &by_multipliers.select_columns(rows))
 }
 
 /// The columns of u, u' and u'' of some inputs.
@@ -243,9 +270,7 @@ impl Constrained {
             let state = held.state(&at.q, &at.v);
             (Whole::of(&held, &state)?, state.lambda)
         };
-        let (mut seen, by_multipliers) = slopes_of(system.description(), &probe, &at.q, &lambda, names)?;
-        seen.input = seen.input.select_columns(&triples(&whole.moving));
-        whole.answers(seen, &by_multipliers.select_columns(&rows))
+        observed(system.description(), &probe, (&whole, &lambda), (&at.q, &rows), names)
     }
 
     /// The steady state at a frequency Ω, rad/s, in all coordinates; what inputs move along through constraints stands
@@ -284,11 +309,8 @@ impl Whole {
         let effects = self.jacobian.transpose();
         let inverse = solve_least(&effects, &DMatrix::identity(n, n))
             .ok_or(LinearError::NoConvergence { what: "the reactions of small motions" })?;
-        let left = by_multipliers - by_multipliers * &inverse * &effects;
-        for (row, name) in seen.names.iter().enumerate() {
-            if left.row(row).amax() > ROUNDING * by_multipliers.row(row).amax() {
-                return Err(LinearError::ReactionNotUnique { answer: name.clone() });
-            }
+        if let Some(row) = not_unique(by_multipliers, &inverse, &effects) {
+            return Err(LinearError::ReactionNotUnique { answer: seen.names[row].clone() });
         }
         let force = -(by_multipliers * inverse);
         let place = &seen.place - &force * &self.stiffness;

@@ -7,6 +7,8 @@
 //!
 //! What drives the first, and what answers, reactions too: look in `driven.rs`.
 //!
+//! With states of first order or held values besides: `held.rs`, for the search in `equilibrium/candidate.rs`.
+//!
 //! While a parameter changes: `balance.rs` of the first, `departing.rs` of the second.  The matrices of all at a state, and
 //! whether it stays: `state.rs`.
 
@@ -14,6 +16,8 @@ mod balance;
 #[cfg(feature = "modal")]
 mod departing;
 mod driven;
+#[cfg(feature = "modal")]
+mod held;
 #[cfg(feature = "modal")]
 mod relative;
 mod rest;
@@ -29,6 +33,8 @@ use super::{Guess, LinearError};
 use crate::mechanism::System;
 
 pub(super) use balance::balance;
+#[cfg(feature = "modal")]
+pub(super) use held::{Held, Inputs};
 #[cfg(all(feature = "modal", feature = "cli"))]
 pub(crate) use relative::turns_as_a_whole;
 pub use rest::{Constrained, linearise_constrained, linearise_driven};

@@ -173,15 +173,24 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         }
     }
 
-    /// From the place nearest to the guess that meets the constraints; where that leads nowhere, from where a motion from
-    /// rest would go from there.
-    fn rest(&mut self, guess: &Guess) -> Result<Found, LinearError> {
-        let (guess, given) = (guess.q.as_slice(), guess.v.as_slice());
+    /// The place nearest to a guess that meets the constraints; known integrals are held as they are there.
+    ///
+    /// # Errors
+    /// [`LinearError::NoEquilibrium`].
+    pub fn closed_near(&mut self, guess: &[f64]) -> Result<Vec<f64>, LinearError> {
         let (start, zero) = ([guess, &vec![0.0; self.n]].concat(), vec![0.0; self.n]);
         let held = vec![false; 2 * self.n];
         let closed = consistent(self.system, &Start { t: 0.0, y: &start, held: &held, start_conditions: 0..0 });
         let q = closed.map(|y| y[..self.n].to_vec()).map_err(|_| self.nowhere(&self.state(guess, &zero), 0))?;
         self.hold(&q);
+        Ok(q)
+    }
+
+    /// From the place nearest to the guess that meets the constraints; where that leads nowhere, from where a motion from
+    /// rest would go from there.
+    fn rest(&mut self, guess: &Guess) -> Result<Found, LinearError> {
+        let (guess, given) = (guess.q.as_slice(), guess.v.as_slice());
+        let q = self.closed_near(guess)?;
         let v = self.moving(&q, given)?;
         let found = self.newton(&q, &v).or_else(|nowhere| match v.iter().all(|v| *v == 0.0) {
             true => self.newton(&self.fallen(q).ok_or(nowhere)?, &v),
@@ -274,7 +283,7 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
 
     /// Gives rotations the lengths that they have at another place.  Moments about them fall as their lengths grow, so a search that lets these
     /// grow finds rests where there is none.
-    fn keep_lengths(&self, q: &mut [f64], like: &[f64]) {
+    pub fn keep_lengths(&self, q: &mut [f64], like: &[f64]) {
         for first in self.system.description().rotations.iter() {
             let places = *first as usize..*first as usize + 4;
             let [length, wanted] = [&*q, like].map(|q| DVector::from_column_slice(&q[places.clone()]).norm());
@@ -348,7 +357,12 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
 
     /// ∂F/∂q with q·δq = 0 in the place of what F says along the four numbers q of a rotation, which is nothing: that they may be scaled makes
     /// q·F 0 everywhere, whose slope would forbid just the turns by which F changes.
-    fn with_lengths_held(&self, stiffness: DMatrix<f64>, state: &State, size: impl Fn(usize) -> f64) -> DMatrix<f64> {
+    pub fn with_lengths_held(
+        &self,
+        stiffness: DMatrix<f64>,
+        state: &State,
+        size: impl Fn(usize) -> f64,
+    ) -> DMatrix<f64> {
         let mut kept = self.without_lengths(stiffness, state);
         for (first, axis) in self.rotations(state) {
             let mut own = kept.view_mut((first, first), (4, 4));

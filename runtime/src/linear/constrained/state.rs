@@ -118,21 +118,29 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
         self.turning(q, v, None)
     }
 
-    /// A state that turns as a whole, a = A v, and the multipliers that leave the least of its forces.
-    pub fn turning(&self, q: &[f64], v: &[f64], turn: Option<Turning>) -> State {
-        let lambda = vec![0.0; self.system.description().rows.len()];
-        let zero = || vec![0.0; self.n];
-        let a =
-            turn.as_ref().map_or_else(zero, |turn| (&turn.matrix * DVector::from_column_slice(v)).as_slice().to_vec());
-        let mut state = State {
+    /// A state without accelerations and multipliers.
+    pub fn without_multipliers(&self, q: &[f64], v: &[f64]) -> State {
+        State {
             t: 0.0,
             q: q.to_vec(),
             v: v.to_vec(),
-            a,
-            lambda,
+            a: vec![0.0; self.n],
+            lambda: vec![0.0; self.system.description().rows.len()],
             #[cfg(feature = "modal")]
-            turn,
-        };
+            turn: None,
+        }
+    }
+
+    /// A state that turns as a whole, a = A v, and the multipliers that leave the least of its forces.
+    pub fn turning(&self, q: &[f64], v: &[f64], turn: Option<Turning>) -> State {
+        let mut state = self.without_multipliers(q, v);
+        if let Some(turn) = &turn {
+            state.a.copy_from_slice((&turn.matrix * DVector::from_column_slice(v)).as_slice());
+        }
+        #[cfg(feature = "modal")]
+        {
+            state.turn = turn;
+        }
         let effects = self.telling_effects(&state);
         // What rounding leaves of the first is as small as its terms only after a second time.
         for _ in 0..2 {

@@ -1,5 +1,7 @@
 //! Where a mechanism rests or moves steadily, what is free there, and its matrices for small departures.
 
+#[cfg(feature = "modal")]
+mod candidate;
 mod discontinuity;
 mod family;
 mod least_steps;

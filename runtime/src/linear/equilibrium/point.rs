@@ -18,6 +18,8 @@ pub(in crate::linear) struct LinearisationPoint {
     pub system: RefCell<Box<dyn System>>,
     pub n: usize,
     pub v: Vec<f64>,
+    /// Multipliers of all rows; empty where these do not matter.
+    pub lambda: Vec<f64>,
     pub(super) zero: Vec<f64>,
 }
 
@@ -30,13 +32,7 @@ impl LinearisationPoint {
             let value = guess.inputs.get(index).copied().unwrap_or(0.0);
             held.set_input(index, std::sync::Arc::new(move |_| [value, 0.0, 0.0]));
         }
-        LinearisationPoint { system: RefCell::new(held), n, v: guess.v.clone(), zero: vec![0.0; n] }
-    }
-
-    /// How many coordinates are not hidden.
-    #[cfg(feature = "modal")]
-    pub(super) fn mechanical(&self) -> usize {
-        self.system.borrow().description().mechanical()
+        LinearisationPoint { system: RefCell::new(held), n, v: guess.v.clone(), lambda: Vec::new(), zero: vec![0.0; n] }
     }
 
     /// Whether coordinates are not independent.
@@ -75,9 +71,9 @@ impl LinearisationPoint {
         .collect()
     }
 
-    /// Accelerations of what rests.
-    pub(super) fn at_rest(&self) -> &[f64] {
-        &self.zero
+    /// A state that does not accelerate.
+    pub(super) fn at<'a>(&'a self, t: f64, q: &'a [f64], v: &'a [f64]) -> At<'a> {
+        At::new(t, q, v).accelerated(&self.zero).constrained(&self.lambda)
     }
 
     pub(super) fn name(&self, index: usize) -> String {
@@ -100,7 +96,7 @@ impl LinearisationPoint {
 
     fn present_force(&self, t: f64, q: &[f64], v: &[f64]) -> Vec<f64> {
         let mut force = vec![0.0; self.n];
-        self.system.borrow().residual(At::new(t, q, v).accelerated(&self.zero), &mut force);
+        self.system.borrow().residual(self.at(t, q, v), &mut force);
         force
     }
 
@@ -138,7 +134,7 @@ impl LinearisationPoint {
         let system = self.system.borrow();
         let mut pairs = vec![0.0; 2 * system.description().switches.len()];
         if !pairs.is_empty() {
-            system.switches(At::new(t, q, v).accelerated(&self.zero), &mut pairs);
+            system.switches(self.at(t, q, v), &mut pairs);
         }
         pairs.chunks_exact(2).map(|pair| pair[0]).collect()
     }
@@ -208,7 +204,7 @@ impl LinearisationPoint {
 
     fn magnitudes_moving(&self, q: &[f64], v: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; self.n];
-        self.system.borrow().magnitudes(At::new(0.0, q, v).accelerated(&self.zero), &mut sums);
+        self.system.borrow().magnitudes(self.at(0.0, q, v), &mut sums);
         sums
     }
 
@@ -255,7 +251,7 @@ impl LinearisationPoint {
         let mut stiffness = vec![0.0; description.stiffness_pattern.len()];
         let mut damping = vec![0.0; description.damping_pattern.len()];
         system.mass_matrix(At::new(0.0, q, &self.v), &mut mass);
-        system.jacobians(At::new(0.0, q, &self.v).accelerated(&self.zero), &mut stiffness, &mut damping);
+        system.jacobians(self.at(0.0, q, &self.v), &mut stiffness, &mut damping);
         [
             SparseMatrix::symmetric(self.n, &description.mass_pattern, &mass),
             SparseMatrix::new(self.n, self.n, &description.damping_pattern, &damping),
@@ -274,7 +270,7 @@ impl LinearisationPoint {
         let system = self.system.borrow();
         let description = system.description();
         let mut values = vec![0.0; description.input_pattern.len()];
-        system.input_jacobian(At::new(0.0, q, &self.v).accelerated(&self.zero), &mut values);
+        system.input_jacobian(self.at(0.0, q, &self.v), &mut values);
         for value in &mut values {
             *value = -*value;
         }
@@ -289,7 +285,7 @@ impl LinearisationPoint {
         let description = system.description();
         let columns = 3 * self.n + description.rows.len() + 3 * description.inputs.len() + 1;
         let mut slopes = DMatrix::zeros(description.output_len(), columns);
-        let at = At::new(t, q, &self.v).accelerated(&self.zero).constrained(lambda);
+        let at = self.at(t, q, &self.v).constrained(lambda);
         system.output_slopes(at, slopes.as_mut_slice()).then_some(slopes)
     }
 
@@ -312,7 +308,7 @@ impl LinearisationPoint {
         if let Some(i) = now.iter().position(|f| !f.is_finite()) {
             let point: Vec<String> =
                 self.named(q).into_iter().map(|(name, value)| format!("{name} = {}", short(value))).collect();
-            let at = At::new(0.0, q, &self.v).accelerated(&self.zero);
+            let at = self.at(0.0, q, &self.v);
             let met = ends_that_meet(&**self.system.borrow(), at);
             let why = met.map_or_else(String::new, |load| {
                 format!(" (a distance, norm or root in `{load}` is zero, where ends that meet have no direction)")

@@ -3,7 +3,9 @@
 //! With coordinates q, rates v and states z the equations are F(q, v, z, v') = 0 and z' = f(q, v, z): one system whose unknowns at rest are
 //! (q, z), with the columns ∂F/∂q for q and ∂F/∂z for z.  Small departures x = (δq, δv, δz) obey x' = A x + B u,
 //!
-//! A = [0 1 0; −M⁻¹K −M⁻¹C −M⁻¹∂F/∂z; ∂f/∂q ∂f/∂v ∂f/∂z].
+//! A = [0 1 0; −M⁻¹K −M⁻¹C −M⁻¹∂F/∂z; ∂f/∂q ∂f/∂v ∂f/∂z],
+//!
+//! with constraints and rotations in the coordinates that these leave independent: `candidate.rs`.
 //!
 //! A state is kept as the speed of a hidden coordinate, whose row and column are left out: no zero of A comes from it.
 
@@ -12,9 +14,10 @@ use std::ops::AddAssign;
 use nalgebra::{DMatrix, DVector};
 
 use super::Guess;
+use super::candidate::{Candidate, Departures};
 use super::least_steps::{BALANCED, Rest};
-use super::point::LinearisationPoint;
-use crate::linear::forced::{named_answers, rated, slopes_of};
+use crate::linear::constrained::Inputs;
+use crate::linear::forced::{named_answers, rated};
 use crate::linear::matrices::balanced;
 use crate::linear::{FirstOrder, InputOutput, LinearError, Residual, first_order_modes};
 use crate::mechanism::{Coordinate, HIDDEN, System, rate_name};
@@ -31,8 +34,14 @@ pub struct StateSpace {
     pub residual: f64,
     /// Iterations of Newton's method.
     pub iterations: usize,
-    /// The names of x: coordinates, their rates, states.
+    /// The names of x: coordinates (with constraints or rotations those that are independent), their rates, states.
     pub variables: Vec<String>,
+    /// The names of all coordinates.
+    pub coordinates: Vec<String>,
+    /// Z: how all coordinates follow those of `variables`, a column each.
+    pub motions: DMatrix<f64>,
+    /// The reactions of constraints in force, by name.
+    pub reactions: Vec<(String, f64)>,
     /// A, 1/s where rows and columns are in the units of `variables`.
     pub matrix: DMatrix<f64>,
     /// The names of u: inputs, and after each those of its rates that act.
@@ -43,21 +52,28 @@ pub struct StateSpace {
     pub analysis: FirstOrder,
     /// The unit of each variable in the analysis, a power of 2.
     scales: Vec<f64>,
-    /// The places of `inputs` among (u, u', u'') of all inputs.
+    /// The places of `inputs` among (u, u', u'') of the inputs that can move.
     acting: Vec<usize>,
+    /// The places of these.
+    moving: Vec<usize>,
+    /// Inputs that cannot move by themselves, and why: constraints would contradict each other, or follow an input and not its rate.
+    pub immovable: Vec<(String, LinearError)>,
     /// The rest itself.
     guess: Guess,
+    /// As [`Candidate::unknowns`].
+    unknowns: Vec<f64>,
 }
 
 /// Finds the rest (or, with speeds in the guess, the steady motion) nearest to a guess of coordinates and states, or takes the guess itself
 /// where `here` is set, and linearises there.  States are the last of `guess.v`.
 ///
 /// # Errors
-/// [`LinearError::NoEquilibrium`], [`LinearError::NotAnEquilibrium`], [`LinearError::HasConstraints`], [`LinearError::NotSmooth`],
-/// [`LinearError::Discontinuous`], [`LinearError::DependsOnTime`], and numbers that are not finite.
+/// [`LinearError::NoEquilibrium`], [`LinearError::NotAnEquilibrium`], [`LinearError::NotSmooth`], [`LinearError::Discontinuous`],
+/// [`LinearError::DependsOnTime`], and numbers that are not finite; with constraints those of
+/// [`linearise_constrained`](crate::linear::linearise_constrained), and [`LinearError::SteadyWithStates`] of a guess that moves.
 pub fn linearise_states<S: System + ?Sized>(system: &S, guess: &Guess, here: bool) -> Result<StateSpace, LinearError> {
-    let mut search = Search::new(system, guess);
-    search.base.check(&search.q)?;
+    let mut search = Search::new(system, guess)?;
+    search.at.check()?;
     let iterations = if here { Ok(0) } else { search.newton() };
     let iterations = iterations.map_err(|iterations| search.nowhere(iterations))?;
     if !search.is_met(BALANCED) {
@@ -66,7 +82,8 @@ pub fn linearise_states<S: System + ?Sized>(system: &S, guess: &Guess, here: boo
             false => search.nowhere(iterations),
         });
     }
-    search.base.check(&search.q)?;
+    search.at.check()?;
+    search.at.check_rest()?;
     search.linearised(iterations)
 }
 
@@ -83,14 +100,20 @@ impl StateSpace {
         answers: &[&str],
     ) -> Result<InputOutput, LinearError> {
         let description = system.description();
-        let (n, all) = (description.mechanical(), description.coordinates.len());
-        let probe = LinearisationPoint::new(system, &self.guess);
+        let asked =
+            |(name, _): &&(String, LinearError)| inputs.iter().any(|(place, _)| *description.inputs[*place] == **name);
+        if let Some((_, why)) = self.immovable.iter().find(asked) {
+            return Err(why.clone());
+        }
+        let mut here = Candidate::new(system, &self.guess)?;
+        here.set(&self.unknowns);
+        let all = self.motions.ncols();
+        let n = self.variables.len() - all;
         let names = named_answers(description, answers);
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        let rows = vec![0.0; description.rows.len()];
-        let (seen, _) = slopes_of(description, &probe, &self.guess.q, &rows, &names)?;
+        let seen = here.observe(description, &names)?;
         let chosen = inputs.iter().flat_map(|(place, unit)| {
-            let own = self.acting.iter().enumerate().filter(move |(_, k)| *k / 3 == *place);
+            let own = self.acting.iter().enumerate().filter(move |(_, k)| self.moving[*k / 3] == *place);
             own.map(move |(column, k)| (column, *k, unit))
         });
         let chosen: Vec<(usize, usize, &String)> = chosen.collect();
@@ -135,27 +158,16 @@ fn shown(name: &str) -> String {
 }
 
 struct Search {
-    base: LinearisationPoint,
+    at: Candidate,
     /// What inputs are held at.
     held: Vec<f64>,
     coordinates: Vec<Coordinate>,
-    /// How many coordinates are not hidden.
-    n: usize,
-    q: Vec<f64>,
 }
 
 impl Search {
-    fn new<S: System + ?Sized>(system: &S, guess: &Guess) -> Search {
-        let description = system.description();
-        let (n, mut q) = (description.mechanical(), guess.q.clone());
-        q.iter_mut().skip(n).for_each(|hidden| *hidden = 0.0);
-        Search {
-            base: LinearisationPoint::new(system, guess),
-            held: guess.inputs.clone(),
-            coordinates: description.coordinates.to_vec(),
-            n,
-            q,
-        }
+    fn new<S: System + ?Sized>(system: &S, guess: &Guess) -> Result<Search, LinearError> {
+        let coordinates = system.description().coordinates.to_vec();
+        Ok(Search { at: Candidate::new(system, guess)?, held: guess.inputs.clone(), coordinates })
     }
 
     /// The state, and what is left there, by name.
@@ -169,7 +181,8 @@ impl Search {
     }
 
     fn forces_left(&self) -> Vec<Residual> {
-        let forces = self.base.forces(&self.base.force(&self.q)).into_iter().zip(&self.coordinates);
+        let force = self.at.base.force(&self.at.q);
+        let forces = self.at.base.forces(&force).into_iter().zip(&self.coordinates);
         let named = |(force, coordinate): (Residual, &Coordinate)| match coordinate.state() {
             None => force,
             // F of a hidden coordinate at rest is −z'.
@@ -183,37 +196,43 @@ impl Search {
     }
 
     fn linearised(&self, iterations: usize) -> Result<StateSpace, LinearError> {
-        let n = self.n;
-        if let Some(jump) = self.base.jumps(&self.q).first() {
-            let residual = self.base.forces(&jump.force).into_iter().filter(|jump| jump.force != 0.0);
+        let Candidate { base, q, n, .. } = &self.at;
+        if let Some(jump) = base.jumps(q).first() {
+            let residual = base.forces(&jump.force).into_iter().filter(|jump| jump.force != 0.0);
             let jumps = residual.map(|jump| Residual { force: jump.force.abs(), ..jump }).collect();
             return Err(LinearError::Discontinuous { point: self.place(), switch: jump.switch.clone(), jump: jumps });
         }
-        if let Some(switch) = self.base.kink(&self.q) {
+        if let Some(switch) = base.kink(q) {
             return Err(LinearError::NotSmooth { switch });
         }
-        let input = self.base.input(&self.q).to_dense();
+        let Inputs { moving, forces, immovable } = self.at.inputs()?;
         // Rates of inputs are inputs of their own where they act.
-        let acts = |k: &usize| k.is_multiple_of(3) || input.column(*k).iter().any(|x| *x != 0.0);
-        let acting: Vec<usize> = (0..input.ncols()).filter(acts).collect();
-        let forces: Vec<DVector<f64>> = acting.iter().map(|k| input.column(*k).into_owned()).collect();
-        let (matrix, drive) = first_order(&self.base, &self.q, &forces)?;
+        let acts = |k: &usize| k.is_multiple_of(3) || forces.column(*k).iter().any(|x| *x != 0.0);
+        let acting: Vec<usize> = (0..forces.ncols()).filter(acts).collect();
+        let forces: Vec<DVector<f64>> = acting.iter().map(|k| forces.column(*k).into_owned()).collect();
+        let Departures { matrix, drive, independent, motions } = self.at.departures(&forces)?;
         let (balanced, scales) = balanced(&matrix);
-        let known: Vec<String> =
-            self.base.system.borrow().description().inputs.iter().map(ToString::to_string).collect();
-        let names = self.coordinates[..n].iter().map(|c| c.name.to_string());
-        let moving = self.coordinates[..n].iter().zip(&self.base.v).filter(|(_, v)| **v != 0.0);
+        let known: Vec<String> = base.system.borrow().description().inputs.iter().map(ToString::to_string).collect();
+        let places = independent.iter().filter(|i| **i < *n).map(|i| self.coordinates[*i].name.to_string());
+        let rates = independent.iter().map(|i| rate_name(&self.coordinates[*i].name));
+        let speeds = self.coordinates[..*n].iter().zip(&base.v).filter(|(_, v)| **v != 0.0);
         Ok(StateSpace {
             place: self.place(),
-            speeds: moving.map(|(c, v)| (rate_name(&c.name), *v)).collect(),
+            speeds: speeds.map(|(c, v)| (rate_name(&c.name), *v)).collect(),
             residual: self.residual(),
             iterations,
-            variables: names.chain(self.coordinates.iter().map(|c| rate_name(&c.name))).collect(),
+            variables: places.chain(rates).collect(),
+            coordinates: self.coordinates[..*n].iter().map(|c| c.name.to_string()).collect(),
+            motions,
+            reactions: self.at.reactions(),
             analysis: first_order_modes(&balanced)?,
             matrix,
-            inputs: acting.iter().map(|k| rated(&known[k / 3], "", k % 3)[0].clone()).collect(),
+            inputs: acting.iter().map(|k| rated(&known[moving[k / 3]], "", k % 3)[0].clone()).collect(),
             acting,
-            guess: Guess { q: self.q.clone(), v: self.base.v.clone(), inputs: self.held.clone() },
+            moving,
+            immovable,
+            guess: Guess { q: q.clone(), v: base.v.clone(), inputs: self.held.clone() },
+            unknowns: self.at.unknowns(),
             input: drive,
             scales,
         })
@@ -221,65 +240,23 @@ impl Search {
 }
 
 impl Rest for Search {
-    /// Coordinates and states.
     fn unknowns(&self) -> Vec<f64> {
-        [&self.q[..self.n], &self.base.v[self.n..]].concat()
+        self.at.unknowns()
     }
 
     fn set(&mut self, unknowns: &[f64]) {
-        self.q[..self.n].copy_from_slice(&unknowns[..self.n]);
-        self.base.v[self.n..].copy_from_slice(&unknowns[self.n..]);
+        self.at.set(unknowns);
     }
 
     fn left(&self) -> Vec<f64> {
-        self.base.force(&self.q)
+        self.at.left()
     }
 
     fn measures(&self) -> Vec<f64> {
-        self.base.measure(&self.q)
+        self.at.measures()
     }
 
-    /// ∂F/∂(q, z).
     fn slopes(&self) -> DMatrix<f64> {
-        let [_, damping, stiffness] = self.base.matrices(&self.q);
-        let mut slopes = stiffness.to_dense();
-        slopes
-            .columns_mut(self.n, self.base.n - self.n)
-            .copy_from(&damping.to_dense().columns(self.n, self.base.n - self.n));
-        slopes
+        self.at.slopes()
     }
-}
-
-/// A of x' = A x about a rest.
-pub(super) fn linearised(base: &LinearisationPoint, q: &[f64]) -> Result<DMatrix<f64>, LinearError> {
-    Ok(first_order(base, q, &[])?.0)
-}
-
-/// A, and a column of B for each of some forces.
-fn first_order(
-    base: &LinearisationPoint,
-    q: &[f64],
-    forces: &[DVector<f64>],
-) -> Result<(DMatrix<f64>, DMatrix<f64>), LinearError> {
-    let (n, all) = (base.mechanical(), base.n);
-    let [mass, damping, stiffness] = base.cleaned(q);
-    let mut right = DMatrix::zeros(all, 2 * all + forces.len());
-    right.columns_mut(0, all).copy_from(&-stiffness.to_dense());
-    right.columns_mut(all, all).copy_from(&-damping.to_dense());
-    forces.iter().enumerate().for_each(|(k, column)| right.column_mut(2 * all + k).copy_from(column));
-    if right.iter().any(|x| !x.is_finite()) {
-        return Err(LinearError::NonFinite { what: "the linear model".to_owned() });
-    }
-    let solved = mass.to_dense().lu().solve(&right).filter(|x| x.iter().all(|x| x.is_finite()));
-    let solved = solved.ok_or(LinearError::NoConvergence { what: "the accelerations' derivatives" })?;
-    // Of [q; v] all but what is hidden of q.
-    let kept: Vec<usize> = (0..n).chain(all..2 * all).collect();
-    let mut matrix = DMatrix::zeros(kept.len(), kept.len());
-    matrix.view_mut((0, n), (n, n)).fill_with_identity();
-    for (column, k) in kept.iter().enumerate() {
-        matrix.view_mut((n, column), (all, 1)).copy_from(&solved.column(*k));
-    }
-    let mut drive = DMatrix::zeros(kept.len(), forces.len());
-    drive.view_mut((n, 0), (all, forces.len())).copy_from(&solved.columns(2 * all, forces.len()));
-    Ok((matrix, drive))
 }

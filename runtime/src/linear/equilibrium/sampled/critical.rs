@@ -49,7 +49,7 @@ impl<'a> Varying<'a> {
     pub fn of<S: System + ?Sized>(system: &S, (rest, guess): (&Search, &Guess), cycle: &'a Cycle) -> Varying<'a> {
         let system = system.boxed_clone();
         let followers = followers(&*system).unwrap_or_default();
-        let guess = Guess { q: rest.q.clone(), ..guess.clone() };
+        let guess = Guess { q: rest.place.q.clone(), ..guess.clone() };
         Varying { system, cycle, guess, memory: rest.memory.clone(), followers }
     }
 

@@ -14,7 +14,7 @@ mod critical;
 mod cycle;
 mod rest;
 
-use nalgebra::{Complex, DMatrix};
+use nalgebra::{Complex, DMatrix, DVector};
 
 #[cfg(feature = "cli")]
 pub(crate) use critical::periods;
@@ -23,8 +23,8 @@ use cycle::{Cycle, INSTANT};
 use rest::{Assignment, Search};
 
 use super::Guess;
+use super::candidate::Departures;
 use super::least_steps::{BALANCED, Rest};
-use super::state_space::linearised;
 use crate::linear::matrices::Eigen;
 use crate::linear::{LinearError, expm, short};
 use crate::mechanism::{Action, Along, System, Target, Trigger, rate_name};
@@ -104,7 +104,7 @@ impl SampledLoop {
 /// ```
 ///
 /// # Errors
-/// [`LinearError::NoEquilibrium`], [`LinearError::HasConstraints`], [`LinearError::NotSampled`], [`LinearError::TooManyTicks`], those of
+/// [`LinearError::NoEquilibrium`], [`LinearError::NotSampled`], [`LinearError::TooManyTicks`], those of
 /// [`super::linearise_states`], and numbers that are not finite.
 pub fn linearise_sampled<S: System + ?Sized>(
     system: &S,
@@ -120,15 +120,21 @@ pub fn linearise_sampled<S: System + ?Sized>(
 
 /// The rest of the loop nearest to a guess.
 fn at_rest<S: System + ?Sized>(system: &S, guess: &Guess, memory: &[f64]) -> Result<Search, LinearError> {
-    let mut search = Search::new(system, guess, memory);
-    search.base.check(&search.q)?;
+    let mut search = Search::new(system, guess, memory)?;
+    search.place.check()?;
     search.find_read();
     let iterations = search.newton().map_err(|iterations| search.nowhere(iterations))?;
-    if search.is_met(BALANCED) { Ok(search) } else { Err(search.nowhere(iterations)) }
+    if !search.is_met(BALANCED) {
+        return Err(search.nowhere(iterations));
+    }
+    search.place.check_rest()?;
+    Ok(search)
 }
 
 /// What departures do: [A B; 0 0] between ticks, and the jumps at the instants of a cycle.
 struct Law {
+    /// The coordinates that are independent, the hidden ones last.
+    independent: Vec<usize>,
     field: DMatrix<f64>,
     jumps: Vec<DMatrix<f64>>,
 }
@@ -154,41 +160,38 @@ impl Law {
 impl Search {
     /// How departures from the rest that was found move.
     fn law(&self, cycle: &Cycle) -> Result<Law, LinearError> {
-        if let Some(jump) = self.base.jumps(&self.q).first() {
+        let (base, q) = (&self.place.base, &self.place.q);
+        if let Some(jump) = base.jumps(q).first() {
             return Err(LinearError::NotSmooth { switch: jump.switch.clone() });
         }
-        if let Some(switch) = self.base.kink(&self.q) {
+        if let Some(switch) = base.kink(q) {
             return Err(LinearError::NotSmooth { switch });
         }
-        let (n, all, held) = (self.n, self.base.n, self.read.len());
-        let between = linearised(&self.base, &self.q)?;
-        let size = n + all;
+        let by_memory = -self.forces_by_memory();
+        let forces: Vec<DVector<f64>> = self.read.iter().map(|j| by_memory.column(*j).into_owned()).collect();
+        let departures = self.place.departures(&forces)?;
+        let (size, held) = (departures.matrix.nrows(), self.read.len());
         // [A B; 0 0].
         let mut field = DMatrix::zeros(size + held, size + held);
-        field.view_mut((0, 0), (size, size)).copy_from(&between);
-        let by_memory = -self.forces_by_memory();
-        let mass = self.base.matrices(&self.q)[0].to_dense().lu();
-        for (k, j) in self.read.iter().enumerate() {
-            let column = mass.solve(&by_memory.column(*j)).filter(|x| x.iter().all(|x| x.is_finite()));
-            let column = column.ok_or(LinearError::NoConvergence { what: "the accelerations' derivatives" })?;
-            field.view_mut((n, size + k), (all, 1)).copy_from(&column);
-        }
-        let slopes = self.slopes_of_assignments(&field);
-        let jumps = cycle.instants.iter().map(|(ticking, _)| self.jump(ticking, &slopes)).collect();
-        Ok(Law { field, jumps })
+        field.view_mut((0, 0), (size, size)).copy_from(&departures.matrix);
+        field.view_mut((0, size), (size, held)).copy_from(&departures.drive);
+        let slopes = self.slopes_of_assignments(&field, &departures, &forces)?;
+        let independent = departures.independent;
+        let jumps = cycle.instants.iter().map(|(ticking, _)| self.jump(ticking, &slopes, &independent)).collect();
+        Ok(Law { independent, field, jumps })
     }
 
     /// The loop about the rest that was found.
     fn closed(&self, cycle: &Cycle, law: &Law, critical: Critical) -> Result<SampledLoop, LinearError> {
-        let n = self.n;
         let matrix = law.map(cycle, 1.0);
         let none = || LinearError::NoConvergence { what: "the eigenvalues of the loop" };
         let (multipliers, forgotten) = eigenvalues(&matrix).ok_or_else(none)?;
         let exponents = multipliers.iter().map(|z| z.ln() / cycle.period).collect();
-        let system = self.base.system.borrow();
+        let system = self.place.base.system.borrow();
         let (description, sampling) = (system.description(), system.sampling());
-        let names = description.coordinates[..n].iter().map(|c| c.name.to_string());
-        let rates = description.coordinates.iter().map(|c| rate_name(&c.name));
+        let places = law.independent.iter().filter(|i| **i < self.place.n);
+        let names = places.map(|i| description.coordinates[*i].name.to_string());
+        let rates = law.independent.iter().map(|i| rate_name(&description.coordinates[*i].name));
         let of_loop = self.read.iter().map(|j| sampling.memory[*j].name.to_string());
         let of_noise = |j: &usize| system.held_noise().iter().any(|noise| noise.held.contains(&(*j as u32)));
         let unread = (0..self.memory.len()).filter(|j| !self.read.contains(j) && !of_noise(j));
@@ -197,7 +200,7 @@ impl Search {
             *sampling.trigger(*event) == Trigger::Zero && actions.iter().any(|action| matches!(action, Action::Set(_)))
         };
         Ok(SampledLoop {
-            place: self.place(),
+            place: self.named_place(),
             memory: self.held_values(),
             unread: unread.map(|j| sampling.memory[j].name.to_string()).collect(),
             frozen: (0..description.events.len())
@@ -218,34 +221,72 @@ impl Search {
         })
     }
 
-    /// The slopes of all assignments by [x; m], a column for each; accelerations change as x and m say.
-    fn slopes_of_assignments(&self, field: &DMatrix<f64>) -> DMatrix<f64> {
-        let (n, all) = (self.n, self.base.n);
-        let mut slopes = DMatrix::zeros(self.base.system.borrow().sampling().assignments(), field.ncols());
+    /// The slopes of all assignments by [x; m], a column for each; accelerations and reactions change as x and m say.
+    ///
+    /// # Errors
+    /// Those of the reactions.
+    fn slopes_of_assignments(
+        &self,
+        field: &DMatrix<f64>,
+        departures: &Departures,
+        forces: &[DVector<f64>],
+    ) -> Result<DMatrix<f64>, LinearError> {
+        let Departures { motions, independent, .. } = departures;
+        let (n, all, size) = (departures.places(), independent.len(), departures.matrix.nrows());
+        let answering = self.answering()?;
+        let [mass, damping, stiffness] = self.place.base.matrices(&self.place.q).map(|matrix| matrix.to_dense());
+        let mut slopes = DMatrix::zeros(self.place.base.system.borrow().sampling().assignments(), field.ncols());
         for (column, mut values) in slopes.column_iter_mut().enumerate() {
-            let (mut q, mut v) = (vec![0.0; all], vec![0.0; all]);
+            let none = || DVector::zeros(motions.nrows());
+            let (mut q, mut v, mut force) = (none(), none(), none());
             match column {
-                column if column < n => q[column] = 1.0,
-                column if column < n + all => v[column - n] = 1.0,
-                _ => (),
+                column if column < n => q.copy_from(&motions.column(column)),
+                column if column < size => v.copy_from(&motions.column(column - n)),
+                _ => force -= &forces[column - size],
             }
-            let a: Vec<f64> = field.view((n, column), (all, 1)).iter().copied().collect();
-            let memory = column.checked_sub(n + all).map(|k| self.read[k]);
-            values.copy_from_slice(&self.assignments_along(&Along { q: &q, v: &v, a: &a, memory, ..Along::default() }));
+            let a = motions * field.view((n, column), (all, 1));
+            let a = a.column(0).into_owned();
+            let lambda = &answering * (&mass * &a + &damping * &v + &stiffness * &q + force);
+            let memory = column.checked_sub(size).map(|k| self.read[k]);
+            let [q, v, a, lambda] = [&q, &v, &a, &lambda].map(|x| x.as_slice());
+            values.copy_from_slice(&self.assignments_along(&Along { q, v, a, lambda, memory, ..Along::default() }));
         }
-        slopes
+        Ok(slopes)
     }
 
-    /// What the ticks of some clocks make of [x; m].
-    fn jump(&self, ticking: &[bool], slopes: &DMatrix<f64>) -> DMatrix<f64> {
-        let (n, all, size) = (self.n, self.base.n, slopes.ncols());
+    /// How the multipliers of all rows answer forces.
+    ///
+    /// # Errors
+    /// [`LinearError::ReactionNotUnique`].
+    fn answering(&self) -> Result<DMatrix<f64>, LinearError> {
+        let (rows, assigned) = (self.place.rows(), self.all_assignments());
+        let mut by_multipliers = DMatrix::zeros(assigned.len(), rows.len());
+        for (k, row) in rows.iter().enumerate() {
+            let mut lambda = vec![0.0; self.place.base.lambda.len()];
+            lambda[*row] = 1.0;
+            let found = self.assignments_along(&Along { lambda: &lambda, ..Along::default() });
+            assigned.iter().enumerate().for_each(|(i, assignment)| by_multipliers[(i, k)] = found[assignment.place]);
+        }
+        self.place.answering(&by_multipliers).map_err(|row| match row {
+            Some(row) => LinearError::ReactionNotUnique { answer: self.name(assigned[row].target) },
+            None => LinearError::NoConvergence { what: "the reactions of small motions" },
+        })
+    }
+
+    /// What the ticks of some clocks make of [x; m], x of these independent coordinates.
+    fn jump(&self, ticking: &[bool], slopes: &DMatrix<f64>, independent: &[usize]) -> DMatrix<f64> {
+        let size = slopes.ncols();
         let mut jump = DMatrix::identity(size, size);
+        let first_held = size - self.read.len();
+        let first_rate = first_held - independent.len();
         for set in self.acting(ticking).into_iter().flat_map(|event| self.sets_of(event)) {
             let before = jump.clone();
             for Assignment { target, place } in set {
                 let row = match target {
-                    Target::State(i) => Some(n + i as usize),
-                    Target::Memory(j) => self.read.iter().position(|read| *read == j as usize).map(|k| n + all + k),
+                    Target::State(i) => {
+                        independent.iter().position(|known| *known == i as usize).map(|k| first_rate + k)
+                    }
+                    Target::Memory(j) => self.read.iter().position(|read| *read == j as usize).map(|k| first_held + k),
                 };
                 if let Some(row) = row {
                     jump.row_mut(row).copy_from(&(slopes.row(place) * &before));

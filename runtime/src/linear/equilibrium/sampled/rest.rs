@@ -3,8 +3,8 @@
 use nalgebra::DMatrix;
 
 use crate::linear::equilibrium::Guess;
+use crate::linear::equilibrium::candidate::Candidate;
 use crate::linear::equilibrium::least_steps::Rest;
-use crate::linear::equilibrium::point::LinearisationPoint;
 use crate::linear::{LinearError, Residual};
 use crate::mechanism::{Action, Along, At, Function, System, Target, Trigger};
 
@@ -18,32 +18,29 @@ pub(super) struct Assignment {
 }
 
 pub(super) struct Search {
-    pub base: LinearisationPoint,
-    /// How many coordinates are not hidden.
-    pub n: usize,
-    pub q: Vec<f64>,
+    pub place: Candidate,
     pub memory: Vec<f64>,
     /// Held values that the loop reads, by their places.
     pub read: Vec<usize>,
 }
 
 impl Search {
-    pub fn new<S: System + ?Sized>(system: &S, guess: &Guess, memory: &[f64]) -> Search {
-        let (n, mut q) = (system.description().mechanical(), guess.q.clone());
-        q.iter_mut().skip(n).for_each(|hidden| *hidden = 0.0);
-        let base = LinearisationPoint::new(system, guess);
-        base.system.borrow_mut().set_memory(memory);
-        Search { base, n, q, memory: memory.to_vec(), read: Vec::new() }
+    /// # Errors
+    /// Those of [`Candidate::new`].
+    pub fn new<S: System + ?Sized>(system: &S, guess: &Guess, memory: &[f64]) -> Result<Search, LinearError> {
+        let mut system = system.boxed_clone();
+        system.set_memory(memory);
+        Ok(Search { place: Candidate::new(&*system, guess)?, memory: memory.to_vec(), read: Vec::new() })
     }
 
     fn at(&self) -> At<'_> {
-        At::new(0.0, &self.q, &self.base.v).accelerated(self.base.at_rest())
+        self.place.base.at(0.0, &self.place.q, &self.place.base.v)
     }
 
     /// ∂F/∂m, a column for each held value.
     pub fn forces_by_memory(&self) -> DMatrix<f64> {
-        let mut slopes = DMatrix::zeros(self.base.n, self.memory.len());
-        let system = self.base.system.borrow();
+        let mut slopes = DMatrix::zeros(self.place.base.n, self.memory.len());
+        let system = self.place.base.system.borrow();
         for (j, mut column) in slopes.column_iter_mut().enumerate() {
             let along = Along { memory: Some(j), ..Along::default() };
             system.slopes(Function::Residual, self.at(), &along, column.as_mut_slice());
@@ -53,14 +50,14 @@ impl Search {
 
     /// The slopes of all assignments along a direction.
     pub fn assignments_along(&self, along: &Along<'_>) -> Vec<f64> {
-        let system = self.base.system.borrow();
+        let system = self.place.base.system.borrow();
         let mut slopes = vec![0.0; system.sampling().assignments()];
         system.slopes(Function::Assignments, self.at(), along, &mut slopes);
         slopes
     }
 
     fn assignments(&self) -> Vec<f64> {
-        let system = self.base.system.borrow();
+        let system = self.place.base.system.borrow();
         let mut values = vec![0.0; system.sampling().assignments()];
         system.assignments(self.at(), &mut values);
         values
@@ -68,7 +65,7 @@ impl Search {
 
     /// Events that act at a tick of these clocks, in the order in which they do: those of the file, then those that follow what was set.
     pub fn acting(&self, ticking: &[bool]) -> Vec<usize> {
-        let system = self.base.system.borrow();
+        let system = self.place.base.system.borrow();
         let (description, sampling) = (system.description(), system.sampling());
         let phase = system.phase() as u32;
         let mut pairs = vec![0.0; 2 * description.events.len()];
@@ -96,7 +93,7 @@ impl Search {
 
     /// What an event sets, set by set.
     pub fn sets_of(&self, event: usize) -> Vec<Vec<Assignment>> {
-        let system = self.base.system.borrow();
+        let system = self.place.base.system.borrow();
         let sampling = system.sampling();
         let sets = system.description().events[event].actions.iter().filter_map(|action| match action {
             Action::Set(set) => Some(*set as usize),
@@ -114,20 +111,21 @@ impl Search {
     }
 
     /// Everything that any tick sets.
-    fn all_assignments(&self) -> Vec<Assignment> {
-        let clocks = self.base.system.borrow().sampling().clocks.len();
+    pub fn all_assignments(&self) -> Vec<Assignment> {
+        let clocks = self.place.base.system.borrow().sampling().clocks.len();
         self.acting(&vec![true; clocks]).into_iter().flat_map(|event| self.of_event(event)).collect()
     }
 
     /// Finds the held values that forces read, or what is set to these: at the guess, and beside it, since a slope may vanish by accident.
     pub fn find_read(&mut self) {
-        let (q, memory) = (self.q.clone(), self.memory.clone());
+        let (q, memory) = (self.place.q.clone(), self.memory.clone());
         let mut read = vec![false; memory.len()];
         for beside in [0.0, BESIDE] {
-            self.q
+            self.place
+                .q
                 .iter_mut()
                 .zip(&q)
-                .take(self.n)
+                .take(self.place.n)
                 .enumerate()
                 .for_each(|(i, (x, q))| *x = q + beside / (1.0 + i as f64));
             self.memory.iter_mut().zip(&memory).for_each(|(x, m)| *x = m + beside * (1.0 + m.abs()));
@@ -149,17 +147,17 @@ impl Search {
                 }
             }
         }
-        (self.q, self.memory) = (q, memory);
+        (self.place.q, self.memory) = (q, memory);
         self.put_memory();
         let of_noise: Vec<u32> = {
-            let system = self.base.system.borrow();
+            let system = self.place.base.system.borrow();
             system.held_noise().iter().flat_map(|noise| noise.held.iter().copied()).collect()
         };
         self.read = (0..read.len()).filter(|j| read[*j] && !of_noise.contains(&(*j as u32))).collect();
     }
 
     fn put_memory(&self) {
-        self.base.system.borrow_mut().set_memory(&self.memory);
+        self.place.base.system.borrow_mut().set_memory(&self.memory);
     }
 
     /// Assignments to what the loop reads, and to states.
@@ -175,112 +173,113 @@ impl Search {
     fn held(&self, target: Target) -> f64 {
         match target {
             Target::Memory(j) => self.memory[j as usize],
-            Target::State(i) => self.base.v[i as usize],
+            Target::State(i) => self.place.base.v[i as usize],
         }
     }
 
-    pub fn place(&self) -> Vec<(String, f64)> {
-        let system = self.base.system.borrow();
+    pub fn named_place(&self) -> Vec<(String, f64)> {
+        let system = self.place.base.system.borrow();
         let names = system.description().coordinates.iter().map(|c| c.state().unwrap_or(&c.name).to_owned());
-        names.zip(self.unknowns()).collect()
+        names.zip(self.place.unknowns()).collect()
     }
 
     pub fn held_values(&self) -> Vec<(String, f64)> {
-        let system = self.base.system.borrow();
+        let system = self.place.base.system.borrow();
         let memory = &system.sampling().memory;
         self.read.iter().map(|j| (memory[*j].name.to_string(), self.memory[*j])).collect()
+    }
+
+    /// The name of what is set.
+    pub fn name(&self, target: Target) -> String {
+        let system = self.place.base.system.borrow();
+        match target {
+            Target::Memory(j) => system.sampling().memory[j as usize].name.to_string(),
+            Target::State(i) => system.description().coordinate_name(i as usize),
+        }
     }
 
     /// The state, and what is left there, by name.
     pub fn nowhere(&self, iterations: usize) -> LinearError {
         let left = self.left();
-        let (force, set) = left.split_at(self.base.n);
-        let mut residual = self.base.forces(force);
-        let system = self.base.system.borrow();
+        let (force, set) = (&left[..self.place.base.n], &left[self.place.len()..]);
+        let mut residual = self.place.base.forces(force);
         let named = self.equations().into_iter().zip(set).map(|(Assignment { target, .. }, left)| Residual {
-            coordinate: match target {
-                Target::Memory(j) => system.sampling().memory[j as usize].name.to_string(),
-                Target::State(i) => system.description().coordinate_name(i as usize),
-            },
+            coordinate: self.name(target),
             force: *left,
             unit: String::new(),
         });
         residual.extend(named);
-        let point = self.place().into_iter().chain(self.held_values()).collect();
+        let point = self.named_place().into_iter().chain(self.held_values()).collect();
         LinearError::NoEquilibrium { iterations, point, residual }
     }
 }
 
 impl Rest for Search {
-    /// What is sought: coordinates, states and held values.
+    /// What is sought: coordinates, states, multipliers and held values.
     fn unknowns(&self) -> Vec<f64> {
-        let held = self.read.iter().map(|j| self.memory[*j]);
-        self.q[..self.n].iter().chain(&self.base.v[self.n..]).copied().chain(held).collect()
+        self.place.unknowns().into_iter().chain(self.read.iter().map(|j| self.memory[*j])).collect()
     }
 
     fn set(&mut self, unknowns: &[f64]) {
-        let all = self.base.n;
-        self.q[..self.n].copy_from_slice(&unknowns[..self.n]);
-        self.base.v[self.n..].copy_from_slice(&unknowns[self.n..all]);
-        self.read.iter().zip(&unknowns[all..]).for_each(|(j, value)| self.memory[*j] = *value);
+        let (place, held) = unknowns.split_at(self.place.len());
+        self.place.set(place);
+        self.read.iter().zip(held).for_each(|(j, value)| self.memory[*j] = *value);
         self.put_memory();
     }
 
-    /// F, then what is held less what it is set to.
+    /// F and c, then what is held less what it is set to.
     fn left(&self) -> Vec<f64> {
-        let force = self.base.force(&self.q);
+        let left = self.place.left();
         let values = self.assignments();
         let differences =
             self.equations().into_iter().map(|Assignment { target, place }| self.held(target) - values[place]);
-        force.into_iter().chain(differences).collect()
+        left.into_iter().chain(differences).collect()
     }
 
     fn measures(&self) -> Vec<f64> {
         let (slopes, unknowns) = (self.slopes(), self.unknowns());
-        let force = self.base.measure(&self.q);
+        let place = self.place.measures();
         let by_memory: Vec<f64> = (0..slopes.nrows())
             .map(|row| (0..slopes.ncols()).map(|column| (slopes[(row, column)] * unknowns[column]).abs()).sum())
             .collect();
         let equations = self.equations();
         let values = self.assignments();
         let own = equations.iter().map(|assignment| values[assignment.place].abs());
-        force.into_iter().chain(own).zip(by_memory).map(|(own, sum)| own + sum).collect()
+        place.into_iter().chain(own).zip(by_memory).map(|(own, sum)| own + sum).collect()
     }
 
     fn slopes(&self) -> DMatrix<f64> {
-        let (n, all, equations) = (self.n, self.base.n, self.equations());
-        let [_, damping, stiffness] = self.base.matrices(&self.q);
-        let (damping, stiffness, by_memory) = (damping.to_dense(), stiffness.to_dense(), self.forces_by_memory());
-        let mut slopes = DMatrix::zeros(all + equations.len(), all + self.read.len());
-        for column in 0..all {
-            let of = if column < n { &stiffness } else { &damping };
-            slopes.view_mut((0, column), (all, 1)).copy_from(&of.column(column));
-        }
+        let (n, all, sought, equations) = (self.place.n, self.place.base.n, self.place.len(), self.equations());
+        let by_memory = self.forces_by_memory();
+        let mut slopes = DMatrix::zeros(sought + equations.len(), sought + self.read.len());
+        slopes.view_mut((0, 0), (sought, sought)).copy_from(&self.place.slopes());
         for (k, j) in self.read.iter().enumerate() {
-            slopes.view_mut((0, all + k), (all, 1)).copy_from(&by_memory.column(*j));
+            slopes.view_mut((0, sought + k), (all, 1)).copy_from(&by_memory.column(*j));
         }
-        let mut unit = vec![0.0; all];
+        let rows = self.place.rows();
+        let (mut unit, mut of_row) = (vec![0.0; all], vec![0.0; self.place.base.lambda.len()]);
         for column in 0..slopes.ncols() {
+            if column < all {
+                unit[column] = 1.0;
+            } else if column < sought {
+                of_row[rows[column - all]] = 1.0;
+            }
             let along = match column {
-                column if column < all => {
-                    unit[column] = 1.0;
-                    if column < n {
-                        Along { q: &unit, ..Along::default() }
-                    } else {
-                        Along { v: &unit, ..Along::default() }
-                    }
-                }
-                _ => Along { memory: Some(self.read[column - all]), ..Along::default() },
+                column if column < n => Along { q: &unit, ..Along::default() },
+                column if column < all => Along { v: &unit, ..Along::default() },
+                column if column < sought => Along { lambda: &of_row, ..Along::default() },
+                _ => Along { memory: Some(self.read[column - sought]), ..Along::default() },
             };
             let found = self.assignments_along(&along);
             for (row, Assignment { target, place }) in equations.iter().enumerate() {
                 let own = match target {
-                    Target::Memory(j) => column >= all && self.read[column - all] == *j as usize,
+                    Target::Memory(j) => column >= sought && self.read[column - sought] == *j as usize,
                     Target::State(i) => column < all && column == *i as usize,
                 };
-                slopes[(all + row, column)] = f64::from(u8::from(own)) - found[*place];
+                slopes[(sought + row, column)] = f64::from(u8::from(own)) - found[*place];
             }
             unit.fill(0.0);
+            of_row.fill(0.0);
         }
         slopes
     }

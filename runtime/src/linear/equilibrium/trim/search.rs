@@ -113,7 +113,7 @@ impl Search {
     }
 
     pub(super) fn at(&self) -> At<'_> {
-        At::new(0.0, &self.q, &self.base.v).accelerated(self.base.at_rest()).constrained(&self.lambda)
+        self.base.at(0.0, &self.q, &self.base.v).constrained(&self.lambda)
     }
 
     /// The multipliers that leave the least of the forces, to begin with.
