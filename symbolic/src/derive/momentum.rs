@@ -97,14 +97,16 @@ fn linear(model: &mut Model, rows: &Rows, system: &BalanceSystem, known: &[Switc
         residuals = in_phase(graph, model.phases.len(), *phase, &residuals);
         of_bodies = in_phase(graph, model.phases.len(), *phase, &of_bodies);
     }
+    let mut constraints = Vec::new();
+    // What multipliers of contacts are is judged as balances are, and stands with them.
     for (acceleration, row) in rows.accelerations(graph, &active).into_iter().zip(&active) {
-        residuals.push(match acts.get(row) {
-            None => acceleration,
-            Some(acts) => holds_or_is_free(graph, *acts, acceleration, *row),
-        });
+        match acts.get(row) {
+            None => constraints.push(acceleration),
+            Some(acts) => residuals.push(holds_or_is_free(graph, *acts, acceleration, *row)),
+        }
     }
+    residuals.extend(constraints);
     let bodies = (!of_bodies.is_empty()).then(|| Box::new(solved_for(graph, &of_bodies, &unknowns, known)));
-    // What multipliers of contacts are is judged as balances are.
     Momentum { constraints: active.len() - acts.len(), bodies, ..solved_for(graph, &residuals, &unknowns, known) }
 }
 

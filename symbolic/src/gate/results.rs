@@ -316,7 +316,9 @@ fn resting(system: &BalanceSystem, assembled: &[Assembled], states: &[State], co
     let of = |balance: usize| std::iter::repeat_n(balance, system.balances[balance].components);
     let owners: Vec<usize> = (0..system.balances.len()).flat_map(of).collect();
     let without = |left_out: &dyn Fn(usize) -> bool| {
-        let kept: Vec<usize> = (0..whole.judged).filter(|row| !left_out(owners[*row])).collect();
+        // Rows of contacts belong to no balance.
+        let stays = |row: &usize| owners.get(*row).is_none_or(|balance| !left_out(*balance));
+        let kept: Vec<usize> = (0..whole.judged).filter(stays).collect();
         determined(&whole.only(&kept), state)
     };
     let written = |balance: usize| system.balances[balance].is_written();

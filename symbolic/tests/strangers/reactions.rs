@@ -224,3 +224,22 @@ fn the_force_of_a_pin_is_told_by_its_bar() {
     refused(&bar("m*acceleration(bar) + m*[0, -g]"), "`pin.y` is");
     refused(&bar("m*acceleration(bar)*1.000000001 - m*[0, -g]"), "`pin.x` is");
 }
+
+/// Rows of constraints that always hold stand beside those of friction and contacts in a system of balances: only the latter are judged with it.
+#[test]
+fn a_reaction_that_an_equation_names_may_stand_beside_friction_and_contacts() {
+    let file = |beside: &str, equation: &str| {
+        format!(
+            "name: P\nparameters: {{m: 2 kg, g: 9.81 m/s^2, mu: 0.3, L: 1 m}}\ncoordinates: {{x: m, y: m, z: m}}\n\
+             bodies: {{b: {{mass: m, position: \"[x, y]\"}}, c: {{mass: m, position: \"[z, 0]\"}}}}\ngravity: [0, -g]\n\
+             constraints: {{floor: y}}\n{beside}\nbalances:\n  equations:\n    - force: {{of: [b]}}\n    - force: {{of: [c], along: ground.x}}\n    \
+             - equation: \"N = {equation}\"\n  reactions: {{N: {{on: b, along: \"[0,1]\"}}}}\nscene: {{start: {{x': 2, z: 2}}, until: 0.1}}\n"
+        )
+    };
+    let friction = "friction: {rub: {rate: x', on: b, along: \"[1,0]\", limit: mu*m*g}}";
+    let contact = "contacts: {wall: {gap: z - x - L, on: c, from: b, normal: \"[1,0]\"}}";
+    for beside in [friction, contact] {
+        accepted(&file(beside, "reaction(floor)"));
+        refused(&file(beside, "1.000001*reaction(floor)"), "E517 balance 3");
+    }
+}
