@@ -231,7 +231,6 @@ fn the_help_of_rough_tables_suffices() {
         (format!("{plain}\npotential_energy: ramp(x)"), 1),
         (format!("{plain}\npotential_energy: (x - u)^2/2\ndissipation: (x' - u')^2/2"), 1),
         (format!("{plain}\nconstraints: {{c: y - ramp(x)}}"), 2),
-        (format!("{plain}\nconstraints: {{c: y - u}}"), 2),
         (format!("{plain}\nconstraints: {{c: y' - u}}"), 1),
     ] {
         let problems = compile(&file(0, &rest), &[]).expect_err(&rest);
@@ -240,9 +239,10 @@ fn the_help_of_rough_tables_suffices() {
         accepted(&file(enough, &rest));
         refused(&file(enough - 1, &rest), "E320");
     }
-    // What acts by its place alone, or moves a body evenly but for the impulses of its turns.
+    // What acts by its place alone, or moves evenly but for the impulses of its turns.
     accepted(&file(0, &format!("{plain}\npotential_energy: (x - u)^2/2")));
     accepted(&file(0, "bodies: {b: {mass: 1, position: \"[u + x, y]\"}}"));
+    accepted(&file(0, &format!("{plain}\nconstraints: {{c: y - u}}")));
 }
 
 #[test]
