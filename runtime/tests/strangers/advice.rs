@@ -1,5 +1,7 @@
 //! Small wrong files that were accepted, and advice that did not work where it was followed.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use super::{folder, program};
 
 /// A mass that moves along a line.
@@ -9,8 +11,8 @@ const RAW: &str = "kinetic_energy: m*x'^2/2\n";
 
 /// What the program prints of a file with these lines, or what it says is wrong.
 fn told(lines: &str, command: &str, arguments: &[&str]) -> Result<String, String> {
-    let name = lines.len() + 31 * arguments.concat().len();
-    let file = folder("advice").join(format!("{command}-{name}.yaml"));
+    static FILES: AtomicUsize = AtomicUsize::new(0);
+    let file = folder("advice").join(format!("{command}-{}.yaml", FILES.fetch_add(1, Ordering::Relaxed)));
     std::fs::write(&file, format!("{HEAD}{lines}")).expect("a file");
     program(&[&[command, file.to_str().expect("a path")], arguments].concat())
 }
