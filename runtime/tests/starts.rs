@@ -202,3 +202,39 @@ fn a_scene_that_is_none_is_the_first() {
     assert_eq!(system.scene(0).start_conditions, 0..1);
     assert_eq!(system.scene(99).start_conditions, 0..1);
 }
+
+/// At its dead centre all terms of a row of a slider-crank vanish: there is nothing beside which what is left of it could be small.
+#[test]
+fn a_start_at_a_dead_centre_is_met() {
+    let text = "name: Crank\nparameters: {r: 0.1 m, l: 0.3 m, m: 1 kg}\ncoordinates: {p: rad, q: rad, x: m}\n\
+        points: {A: 'r*[cos(p), sin(p)]', B: 'A + l*[cos(q), -sin(q)]'}\nbodies: {a: {mass: m, position: A}, s: {mass: m, position: '[x, 0]'}}\n\
+        constraints: {close: 'B - [x, 0]'}\nscene: {start: {p: 0, \"p'\": 3}, guess: {q: 0.3, x: 0.4}, until: 0.1}\n";
+    let run = tried(text, |_| {}).expect("a run");
+    let (p, q) = (run.last()["p"], run.last()["q"]);
+    assert!((0.1 * p.sin() - 0.3 * q.sin()).abs() < 1e-12 && p > 0.29, "{p} {q}");
+}
+
+/// A four-bar as large as a solar system, whose angles are as large as those of a small one.
+#[test]
+fn lengths_of_any_size_stand_beside_angles() {
+    let at = |size: &str| {
+        let text = format!(
+            "name: Scaled\nparameters: {{S: {size} m, a: 0.1*S, b: 0.3*S, c: 0.25*S, d: 0.3*S, m: 1 kg, g0: 9.81 1/s^2, g: g0*S}}\n\
+             coordinates: {{p: rad, q: rad, r: rad, x: m}}\n\
+             points: {{A: 'a*[cos(p), sin(p)]', B: 'A + b*[cos(q), sin(q)]', C: '[d, 0]'}}\n\
+             bodies:\n  one: {{mass: m, inertia: m*a^2/12, angle: p, position: A/2}}\n  two: {{mass: m, inertia: m*b^2/12, angle: q, position: (A + B)/2}}\n  \
+             three: {{mass: m, inertia: m*c^2/12, angle: r, position: 'C + c/2*[cos(r), sin(r)]'}}\n  ram: {{mass: m, position: '[x, S]'}}\n\
+             gravity: [0, -g]\nconstraints: {{loop: 'B - C - c*[cos(r), sin(r)]', ram: x - B.x}}\n\
+             scene: {{start: {{p: 1, \"p'\": 2}}, guess: {{q: 0.8, r: 1.5, x: 0.3*S}}, until: 0.2}}\n"
+        );
+        let run = tried(&text, |_| {}).expect("a run");
+        ["p", "q", "r"].map(|name| run.last()[name])
+    };
+    let known = at("1");
+    for size in ["1e12", "1e-12"] {
+        let found = at(size);
+        for (found, known) in found.iter().zip(known) {
+            assert!((found - known).abs() < 1e-8, "{size} {found} {known}");
+        }
+    }
+}

@@ -109,11 +109,15 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
         DVector::from_iterator(2 * n, largest.into_iter().enumerate().map(size))
     }
 
-    /// What may be left of the rows' c, beside their terms and the sizes of coordinates.
+    /// What may be left of the rows' c, beside their terms and the sizes of coordinates; where all of these vanish, what moves by less than rounding of
+    /// rounding.
     fn negligible(&self, y: &[f64], rows: &[usize]) -> Vec<f64> {
         let sizes = DVector::from_vec(sizes_alike(self.system.description(), &y[..self.n]));
-        let (by_place, triples) = (self.jacobian(y, rows).abs() * sizes, self.triples(y));
-        rows.iter().zip(by_place.iter()).map(|(row, place)| MISSED * triples[*row][2].max(*place)).collect()
+        let (jacobian, triples) = (self.jacobian(y, rows).abs(), self.triples(y));
+        let by_place = &jacobian * sizes;
+        let nothing = jacobian * self.sizes(y).rows(0, self.n) * SECOND_ROUNDING;
+        let of = |k: usize| (MISSED * triples[rows[k]][2].max(by_place[k])).max(nothing[k]);
+        (0..rows.len()).map(of).collect()
     }
 
     /// c of the holonomic rows and what counts as closed for each.
@@ -133,6 +137,7 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
     pub fn close(&self, y: &mut [f64]) -> Result<(), Box<Cause>> {
         let mut damping = 1e-3;
         let mut scales = vec![0.0_f64; self.holonomic.len()];
+        let mut longest = vec![0.0_f64; self.free.len()];
         let widest = widest(self.system.description());
         for _ in 0..ITERATIONS {
             let (c, closed) = self.residual(y);
@@ -158,13 +163,17 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
                 break;
             }
             let normal = a.transpose() * &a;
+            // Steps are short in units in which each coordinate matters alike.
+            for (longest, own) in longest.iter_mut().zip(normal.diagonal().iter()) {
+                *longest = longest.max(*own);
+            }
             let mut moved = false;
             // Beyond half a turn an angle is at a place that is nearer the other way.
             let mut turns = 0.5;
             for _ in 0..60 {
                 let mut damped = normal.clone();
-                for i in 0..damped.nrows() {
-                    damped[(i, i)] += damping * normal.trace() / normal.nrows().max(1) as f64;
+                for (i, longest) in longest.iter().enumerate() {
+                    damped[(i, i)] += damping * if *longest > 0.0 { *longest } else { 1.0 };
                 }
                 let Some(mut step) = damped.cholesky().map(|cholesky| cholesky.solve(&gradient)) else { break };
                 let turned =
