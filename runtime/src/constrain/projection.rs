@@ -87,12 +87,10 @@ impl Projection {
     /// Coordinates to which neither M nor a constraint gives any inertia.
     pub fn project<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &mut [f64]) -> Result<bool, Singular> {
         if system.active_rows().is_empty() {
-            // How large their terms are is asked where a phase has them.
-            self.observe(system, t, y);
             return Ok(false);
         }
         if !self.corrects {
-            self.observe(system, t, y);
+            self.evaluate(system, t, y);
             self.note(system);
             return Ok(false);
         }
@@ -100,7 +98,7 @@ impl Projection {
         let mut before = f64::INFINITY;
         let mut fresh = false;
         for _ in 0..ITERATIONS {
-            self.observe(system, t, y);
+            self.evaluate(system, t, y);
             let distance = self.distance(system);
             if distance <= 1.0 || !distance.is_finite() || (fresh && distance > SLOW * before) {
                 break;
@@ -139,11 +137,9 @@ impl Projection {
     /// As [`Projection::project`].
     pub fn look<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &mut [f64]) -> Result<bool, Singular> {
         if system.active_rows().is_empty() {
-            // How large their terms are is asked where a phase has them.
-            self.observe(system, t, y);
             return Ok(false);
         }
-        self.observe(system, t, y);
+        self.evaluate(system, t, y);
         if self.corrects {
             if self.distance(system) > LEFT_OUT {
                 return self.project(system, t, y);
@@ -181,7 +177,7 @@ impl Projection {
         }
     }
 
-    /// How far the positions that were observed last are from a row; none of one that holds none.
+    /// How far the positions that were evaluated last are from a row; none of one that holds none.
     fn off<S: System + ?Sized>(&self, system: &S, row: usize) -> Option<f64> {
         let c = self.triples[3 * row];
         match system.description().rows[row].holonomic {
@@ -190,9 +186,20 @@ impl Projection {
         }
     }
 
-    /// Evaluates all rows at a state, and notes how large their terms are.
-    pub fn observe<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
+    /// Evaluates all rows at a state.
+    fn evaluate<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
         system.constraints(At::packed(t, y, system.len()), &mut self.triples);
+    }
+
+    /// Evaluates all rows at a state of the motion, and notes how large their terms are.
+    pub fn observe<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
+        self.evaluate(system, t, y);
+        self.keep();
+    }
+
+    /// Notes how large the terms of all rows are at the state that was evaluated last: it is one of the motion.  The end of a step that was
+    /// tried may be far from it.
+    pub fn keep(&mut self) {
         for (scale, triple) in self.scales.iter_mut().zip(self.triples.chunks_exact(3)) {
             *scale = scale.max(triple[2]);
         }
@@ -203,10 +210,15 @@ impl Projection {
         &self.scales
     }
 
-    /// Whether a holonomic row does not hold at the state that was observed last, and by how much it is missed.
+    /// The same of one row, with the state that was evaluated last.
+    fn scale(&self, row: usize) -> f64 {
+        self.scales[row].max(self.triples[3 * row + 2])
+    }
+
+    /// Whether a holonomic row does not hold at the state that was evaluated last, and by how much it is missed.
     pub fn misses(&self, row: usize) -> Option<f64> {
         let c = self.triples[3 * row];
-        (c.is_nan() || c.abs() > LOST * self.scales[row]).then_some(c)
+        (c.is_nan() || c.abs() > LOST * self.scale(row)).then_some(c)
     }
 
     /// The rows that are nearest to depending on others at the state that was projected last, where `usual` of them are
@@ -250,7 +262,7 @@ impl Projection {
         system.constraints(At::packed(t, y, n), &mut before);
         for k in 0..self.form.active().len() {
             let row = self.form.active()[k];
-            self.solve(|projection, other| if other == row { f64::EPSILON * projection.scales[row] } else { 0.0 });
+            self.solve(|projection, other| if other == row { f64::EPSILON * projection.scale(row) } else { 0.0 });
             for i in 0..n {
                 moved[i] = y[i] + self.delta[i];
                 self.constraint_round_off[i] = self.constraint_round_off[i].max(self.delta[i].abs());
@@ -307,7 +319,7 @@ impl Projection {
     fn distance<S: System + ?Sized>(&self, system: &S) -> f64 {
         let active = rows_in_force(system);
         let share = |row: usize| {
-            let (c, scale) = (self.off(system, row).unwrap_or(0.0).abs(), self.scales[row]);
+            let (c, scale) = (self.off(system, row).unwrap_or(0.0).abs(), self.scale(row));
             if c == 0.0 { 0.0 } else { c / (ROUNDING * scale) }
         };
         active.map(share).fold(0.0, |most: f64, share| if share.is_nan() { f64::NAN } else { most.max(share) })

@@ -57,6 +57,7 @@ impl Integration {
         }
         let projected = projection.project(system, self.clock.now(), self.stepper.state_mut());
         projected.map_err(|fault| fault.cause(system.description()))?;
+        projection.observe(system, self.clock.now(), self.stepper.start().y);
         projection.hold(system, self.clock.now(), self.stepper.start().y);
         if let Some(history) = system.row_history_mut() {
             *history = RowHistory { norms: projection.norms().to_vec(), ..RowHistory::default() };
@@ -78,6 +79,7 @@ impl Integration {
             projection.observe(system, now, y);
             return Ok(());
         }
+        projection.keep();
         if let Some(history) = system.row_history_mut() {
             history.norms.clear();
             history.norms.extend_from_slice(projection.norms());
