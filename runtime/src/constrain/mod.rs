@@ -18,8 +18,8 @@ mod start_conditions;
 
 pub(crate) use branch::{Elsewhere, other_branch};
 pub(crate) use contacts::{
-    Change, Kinematics, Moment, Strike, approaches, closed_within, kinematics, lasting_rows, never_stopping,
-    possible_limits, settle, strike,
+    Change, Kinematics, Moment, Strike, approaches, closed_within, is_released, kinematics, lasting_rows,
+    never_stopping, possible_limits, settle, strike,
 };
 pub(crate) use impact::{VelocityJump, possible_restitution, possible_restitutions, velocity_jump};
 pub(crate) use projection::Projection;

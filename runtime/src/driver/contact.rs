@@ -4,7 +4,8 @@ use super::Integration;
 use super::phase::Done;
 use crate::cause::Cause;
 use crate::constrain::{
-    Change, Kinematics, Moment, Strike, VelocityJump, closed_within, kinematics, possible_limits, settle, strike,
+    Change, Kinematics, Moment, Strike, VelocityJump, closed_within, is_released, kinematics, possible_limits, settle,
+    strike,
 };
 use crate::events::{Log, begin_at, begin_at_state};
 use crate::mechanism::{At, ContactEvent, System};
@@ -31,6 +32,13 @@ impl Integration {
         if !what.is_of(system.contacts().modes(system.phase())[contact]) {
             return Ok(nothing);
         }
+        if what == ContactEvent::Slips {
+            let scales = self.scales(system);
+            let (now, y) = (self.clock.now(), self.stepper.start().y);
+            if is_released(system, &Moment { t: now, y, scales: &scales, step: self.instant() }, contact)? {
+                return Ok(nothing);
+            }
+        }
         let began = self.clock.now();
         let struck = match what {
             ContactEvent::Lands => self.lands(system, (event, contact), recorder)?,
@@ -43,7 +51,7 @@ impl Integration {
             Some(strike) => Change::Struck(strike),
             None => Change::Event { contact, what },
         };
-        let moment = Moment { t: now, y: &y, scales: &scales, step: self.h };
+        let moment = Moment { t: now, y: &y, scales: &scales, step: self.instant() };
         let phase = settle(system, &moment, change)?;
         system.set_phase(before);
         if phase == before && struck.as_ref().is_none_or(Strike::is_empty) {
@@ -55,6 +63,11 @@ impl Integration {
         let entered = self.enter(system, phase, &[], recorder)?;
         self.carry(system, self.clock.now() - began);
         Ok(Done { acts: true, strikes: entered || struck.is_some() })
+    }
+
+    /// The step beside which the present instant is known: the one that led here, which may end far before the longest that is possible.
+    fn instant(&self) -> f64 {
+        self.h.min(self.last_step)
     }
 
     /// How the sides of all contacts are placed and move at the present state.
@@ -97,7 +110,7 @@ impl Integration {
         let scales = self.scales(system);
         let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
         let phase = system.phase();
-        let moment = Moment { t: now, y: &y, scales: &scales, step: self.h };
+        let moment = Moment { t: now, y: &y, scales: &scales, step: self.instant() };
         let next = settle(system, &moment, change)?;
         system.set_phase(phase);
         if next == phase {
@@ -192,7 +205,7 @@ impl Integration {
         if end.is_some() {
             slow[contact] = f64::INFINITY;
         }
-        let moment = Moment { t: now, y: &y, scales: &scales, step: self.h };
+        let moment = Moment { t: now, y: &y, scales: &scales, step: self.instant() };
         let Some(strike) = strike(system, &moment, &slow)? else { return Ok(None) };
         if let Some(end) = end {
             // The last hops lead along the contact, on which it rests.

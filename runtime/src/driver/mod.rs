@@ -108,6 +108,8 @@ pub(crate) struct Integration {
     ignored_events: Vec<usize>,
     /// How many steps were taken since the last stop.
     since_stop: u32,
+    /// The length of the last step that was taken, s; ∞ before the first.
+    last_step: f64,
     /// Where each length of a step costs something, the one that divides the way to the next stop.
     even: f64,
     locator: Option<Box<EventLocator>>,
@@ -175,6 +177,7 @@ impl Integration {
             seen_before: None,
             ignored_events: Vec::new(),
             since_stop: 0,
+            last_step: f64::INFINITY,
             even: 0.0,
             locator: None,
             ends_after: None,
@@ -647,6 +650,7 @@ impl Integration {
             _ => self.clock.set(step.next),
         }
         self.work.steps += 1;
+        self.last_step = step.h;
         self.since_stop = if step.lands { 0 } else { self.since_stop + 1 };
     }
 

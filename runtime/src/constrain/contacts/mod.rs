@@ -9,7 +9,7 @@ mod modes;
 mod strike;
 
 pub(crate) use limits::possible_limits;
-pub(crate) use modes::{Change, settle};
+pub(crate) use modes::{Change, is_released, settle};
 pub(crate) use strike::{Strike, strike};
 
 use nalgebra::DMatrix;
@@ -39,7 +39,7 @@ pub(crate) struct Moment<'a> {
     pub y: &'a [f64],
     /// The largest Σ |terms| that the rows of the constraints have had; none where the motion begins.
     pub scales: &'a [f64],
-    /// The length of a step here, s; 0 where the motion begins.
+    /// The length of the step that led here, or of one from here on if that is shorter, s; 0 where the motion begins.
     pub step: f64,
 }
 

@@ -14,6 +14,8 @@ use crate::mechanism::{At, ContactEvent, ContactMode, System};
 
 /// A force, or an acceleration, below this part of the largest under any combination is zero.
 const NOTHING: f64 = 1e-10;
+/// A force at its limit is so to the rounding of its instant; one that is further below it, as a part of it, is held by less.
+const RELEASED: f64 = 1e-6;
 /// Accelerations that differ by less than this part of the largest are the same motion.
 const ALIKE: f64 = 1e-8;
 /// So far ahead, in steps, combinations are told apart in which all moves alike: no further than shows a difference.
@@ -131,19 +133,13 @@ pub(crate) fn settle(system: &mut dyn System, moment: &Moment<'_>, change: Chang
         _ => None,
     };
     let agree: Vec<&Trial> = trials.iter().filter(|trial| agrees(trial, &trials, forced)).collect();
-    let scale = trials.iter().flat_map(|trial| &trial.accelerations).fold(0.0_f64, |most, a| most.max(a.abs()));
-    let alike = |one: &Trial, other: &Trial| {
-        one.accelerations.iter().zip(&other.accelerations).all(|(a, b)| (a - b).abs() <= ALIKE * scale)
-    };
+    let alike = alike(&trials);
     // What may stick does not begin to slide, though it might, being held by more than what slides is.
-    let sticks_instead = |one: &Trial, other: &Trial| {
-        let instead = |((one, other), known): ((&ContactMode, &ContactMode), &Known)| {
-            one == other || known.rolls && one.sliding() != 0.0 && *other == ContactMode::Sticks
-        };
-        !alike(one, other) && one.modes.iter().zip(&other.modes).zip(&known).all(instead)
-    };
-    let agree: Vec<&Trial> =
-        agree.iter().copied().filter(|one| !agree.iter().any(|other| sticks_instead(one, other))).collect();
+    let agree: Vec<&Trial> = agree
+        .iter()
+        .copied()
+        .filter(|one| !agree.iter().any(|other| !alike(one, other) && one.slides_where_sticks(other, &known)))
+        .collect();
     let chosen = match agree.as_slice() {
         [] => None,
         [first, rest @ ..] => {
@@ -168,8 +164,64 @@ pub(crate) fn settle(system: &mut dyn System, moment: &Moment<'_>, change: Chang
     Ok(phase)
 }
 
+/// Whether a contact that reached its limit is held by less since others, which reached theirs at the same instant, began to slide.
+///
+/// # Errors
+/// [`Cause::UndecidedContacts`] where it might as well be this one that slides, and the others that stick.
+pub(crate) fn is_released(system: &mut dyn System, moment: &Moment<'_>, contact: usize) -> Result<bool, Box<Cause>> {
+    let (phase, situation) = (system.phase(), Situation::new(system, moment));
+    let begins = |k: &usize| situation.modes[*k].sliding() != 0.0 && situation.still[*k][1];
+    let begin: Vec<usize> = (0..situation.modes.len()).filter(begins).collect();
+    if begin.is_empty() {
+        return Ok(false);
+    }
+    let at = (moment.t, moment.y);
+    let change = Change::Event { contact, what: ContactEvent::Slips };
+    let known: Vec<Known> = (0..situation.modes.len()).map(|k| known(system, &situation, (k, change), at)).collect();
+    let compliance = compliance(system, At::packed(moment.t, moment.y, system.len()));
+    let shared = Shared { known: &known, compliance: &compliance, begins: None };
+    let mut instead = situation.modes.clone();
+    begin.into_iter().for_each(|k| instead[k] = ContactMode::Sticks);
+    let all_stick = system.contacts().phase(&instead);
+    system.set_phase(all_stick);
+    instead[contact] = direction_of_force(system, contact, at);
+    let trials = [situation.modes, instead].map(|modes| tried(system, at, shared, modes));
+    system.set_phase(phase);
+    let [Some(present), other] = trials else { return Ok(false) };
+    let is_held = |sign: &Sign| sign.kind == Kind::Holds && sign.value > RELEASED;
+    if !present.signs[contact].iter().any(is_held) {
+        return Ok(false);
+    }
+    let both: Vec<Trial> = std::iter::once(present).chain(other).collect();
+    if let [present, other] = both.as_slice()
+        && agrees(other, &both, None)
+        && !alike(&both)(present, other)
+    {
+        let found = both.iter().map(|trial| words(system, &trial.modes)).collect();
+        return Err(Cause::UndecidedContacts { found }.into());
+    }
+    Ok(true)
+}
+
+/// Whether two of some trials make the same accelerations.
+fn alike(trials: &[Trial]) -> impl Fn(&Trial, &Trial) -> bool {
+    let scale = trials.iter().flat_map(|trial| &trial.accelerations).fold(0.0_f64, |most, a| most.max(a.abs()));
+    move |one, other| one.accelerations.iter().zip(&other.accelerations).all(|(a, b)| (a - b).abs() <= ALIKE * scale)
+}
+
+impl Trial {
+    /// Whether all that it does otherwise than another is to slide where the other one sticks.
+    fn slides_where_sticks(&self, other: &Trial, known: &[Known]) -> bool {
+        let instead = |((own, other), known): ((&ContactMode, &ContactMode), &Known)| {
+            own == other || known.rolls && own.sliding() != 0.0 && *other == ContactMode::Sticks
+        };
+        self.modes.iter().zip(&other.modes).zip(known).all(instead)
+    }
+}
+
 /// Of several combinations in which all moves alike the one that agrees with the forces a moment later, too: how contacts share what holds them
-/// together is not determined, but some shares end at once.  The first where no moment tells.
+/// together is not determined, but some shares end at once.  Of several that do and then move otherwise one that sticks where others slide; the first
+/// where no moment tells.
 fn lasting<'a>(
     system: &mut dyn System,
     &Moment { t, y, step, .. }: &Moment<'_>,
@@ -193,6 +245,14 @@ fn lasting<'a>(
             && last.contains(&false)
         {
             return alike[first];
+        }
+        // From here on they are different motions.
+        let same = self::alike(&all);
+        let part = |one: &Trial| all.iter().any(|other| !same(one, other));
+        if all.len() == alike.len() && all.iter().any(part) {
+            let gives_way =
+                |one: &Trial| all.iter().any(|other| !same(one, other) && one.slides_where_sticks(other, shared.known));
+            return all.iter().position(|one| !gives_way(one)).map_or(alike[0], |first| alike[first]);
         }
     }
     alike[0]
