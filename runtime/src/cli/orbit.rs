@@ -77,8 +77,10 @@ fn varied(search: OrbitSearch, loaded: &Loaded, options: &ArgMatches, text: &str
     };
     let values: Vec<f64> = match range.split_once("..") {
         Some((first, last)) => {
-            let first = if first.trim().is_empty() { 0.0 } else { value(first)? };
-            vec![first, value(last)?]
+            // From the motion's own value on.
+            let own = || parameter_index(loaded, name).ok().map(|k| loaded.system.parameters()[k]);
+            let first = if first.trim().is_empty() { own() } else { Some(value(first)?) };
+            first.into_iter().chain([value(last)?]).collect()
         }
         None => range.split(',').map(&mut value).collect::<Result<_, _>>()?,
     };

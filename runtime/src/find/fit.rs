@@ -142,7 +142,8 @@ fn residuals(
             }
         }
     }
-    Equations { trial, r, j }
+    let units = DVector::from_element(r.len(), 1.0);
+    Equations { trial, r, j, units }
 }
 
 /// t with P(|T| < t) = 0.95 of Student's distribution with ν degrees of freedom, by bisection: over the angle θ with t = √ν tan θ its density is

@@ -15,7 +15,7 @@ use super::trial::{Sought, Source, Trial};
 use crate::error::{Error, NoSlopes, NotFound};
 use crate::mechanism::{Extreme, HIDDEN, MotionNumbers, System};
 use crate::simulate::{Described, Settings, Simulation};
-use crate::vary::{Unknown, Varied, named, unknown};
+use crate::vary::{Unknown, named, unknown};
 
 /// A search that is being described.
 ///
@@ -225,6 +225,8 @@ pub(super) struct Equations {
     pub trial: Trial,
     pub r: DVector<f64>,
     pub j: DMatrix<f64>,
+    /// The units of r, which may be those of the trial.
+    pub units: DVector<f64>,
 }
 
 /// Where Newton's steps ended.
@@ -261,9 +263,11 @@ impl Seeker {
     pub fn conditions_of(&self, trial: Trial, scales: &[f64]) -> Equations {
         let count = self.conditions.len();
         let (mut r, mut j) = (DVector::zeros(count), DMatrix::zeros(count, scales.len()));
+        let mut units = DVector::from_element(count, 1.0);
         if let Some(end) = trial.end() {
             for (i, condition) in self.conditions.iter().enumerate() {
                 let size = condition.size(&trial);
+                units[i] = size;
                 r[i] = (end.values[condition.column] - condition.value) / size;
                 let slopes = trial.slopes(&self.source.sought, end, condition.column);
                 for (k, slope) in slopes.iter().enumerate() {
@@ -271,7 +275,7 @@ impl Seeker {
                 }
             }
         }
-        Equations { trial, r, j }
+        Equations { trial, r, j, units }
     }
 
     /// Meets the conditions.
@@ -324,7 +328,7 @@ impl Seeker {
             if size <= LEAST || stagnates || slow >= IN_A_ROW && rounding {
                 return Ok(Solution { values, equations: now, linear, steps });
             }
-            let taken = self.shortened(&values, scales, (&linear, &step, &now.trial.varied), equations)?;
+            let taken = self.shortened(&values, scales, (&linear, &step, &now), equations)?;
             let Some((next, tried)) = taken else {
                 // Where a whole step changes nothing any more, rounding is all that is left of it.
                 if size <= tolerance.sqrt() || rounding {
@@ -344,7 +348,7 @@ impl Seeker {
         &mut self,
         values: &[f64],
         scales: &[f64],
-        (linear, step, now): (&Linearised, &DVector<f64>, &Varied),
+        (linear, step, now): (&Linearised, &DVector<f64>, &Equations),
         equations: &dyn Fn(&Seeker, Trial, &[f64]) -> Equations,
     ) -> Result<Option<(Vec<f64>, Equations)>, Error> {
         let (mut part, mut otherwise) = (1.0, None);
@@ -353,10 +357,11 @@ impl Seeker {
             let next: Vec<f64> =
                 values.iter().zip(scales).zip(step.iter()).map(|((x, scale), step)| x + part * scale * step).collect();
             if let Some(trial) = self.unless_broken_off(&next, values)? {
-                let same = trial.varied.agrees(now);
-                self.other_event = now.differs_by(&trial.varied).or(self.other_event.take());
+                let same = trial.varied.agrees(&now.trial.varied);
+                self.other_event = now.trial.varied.differs_by(&trial.varied).or(self.other_event.take());
                 let tried = equations(self, trial, scales);
-                let again = linear.step(&tried.r).norm();
+                let missed = tried.r.component_mul(&tried.units).component_div(&now.units);
+                let again = linear.step(&missed).norm();
                 if again <= (1.0 - 0.5 * part) * step.norm() {
                     if same {
                         return Ok(Some((next, tried)));

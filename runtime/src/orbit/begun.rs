@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::closing::{By, Difference};
 use super::found::Orbit;
 use super::guess::begin_at;
-use super::laps::{Laps, Point, Solution, Time, itinerary, lcm};
+use super::laps::{Condition, Laps, Point, Solution, Time, itinerary, lcm};
 use super::smallest::{self, FOLLOWS, WithPeriod};
 use super::stability::{Spectrum, beside, spectrum};
 use super::structure::{self, Known};
@@ -99,16 +99,40 @@ impl Begun {
         !self.given && !self.acts && self.laps.closing.by == By::Part(1)
     }
 
+    /// Lets all motions have the energy of this one, where it is conserved: of those with the same parameters there is one of each energy.
+    pub fn hold_energy(&mut self, solution: &Solution, found: &Spectrum) {
+        let laps = &mut self.laps;
+        if laps.condition.is_none() && laps.keeps_energy() && found.known.iter().any(|name| name == structure::ENERGY) {
+            let side = solution.trial.pieces[0].start.clone();
+            crate::vary::put(&mut *laps.system, &side);
+            laps.condition = Some(Condition::Energy(structure::energy(&*laps.system, &side).0));
+        }
+    }
+
     /// What is told of a solution, by the smallest map that closes it.
     pub fn finish(&mut self, solution: Solution) -> Result<Orbit, Error> {
         let (solution, found) = self.smallest(solution)?;
         self.told(solution, found)
     }
 
+    /// A solution in scales of its own motion: a guess that runs away is far larger, and beside it anything closes.
+    fn in_own_scales(&mut self, mut solution: Solution) -> Result<Solution, Error> {
+        /// Each time they shrink by some ten decades, or are settled.
+        const TIMES: usize = 40;
+        for _ in 0..TIMES {
+            let Some(scales) = self.laps.other_scales(&solution.trial) else { break };
+            self.laps.scales = scales;
+            let before = solution.steps;
+            solution = self.laps.solve(solution.point, None)?;
+            solution.steps += before;
+        }
+        Ok(solution)
+    }
+
     /// A solution by the smallest map that closes it, in pieces short enough for its multipliers.
     pub fn smallest(&mut self, solution: Solution) -> Result<(Solution, Spectrum), Error> {
         let mut steps = solution.steps;
-        let mut solution = solution;
+        let mut solution = self.in_own_scales(solution)?;
         self.at_rest(&solution)?;
         if let Some(smaller) = self.reduce(&solution)? {
             steps += smaller.steps;

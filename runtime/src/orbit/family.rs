@@ -98,7 +98,7 @@ impl Family {
 impl OrbitSearch {
     /// Follows the family of motions that repeat, beginning with the one that is found where what varies has its first value: a parameter, or
     /// `energy` (counted from the equilibrium where the search begins from a mode), whose first value is that of the motion found.  Each of
-    /// `values` is met on the way; thresholds are refined.
+    /// `values` is met on the way; thresholds are refined.  Where a parameter varies and the energy is conserved, all motions have that of the first.
     ///
     /// With `branch` the family is followed that leaves the first one at its threshold of this number, the first being 1.
     ///
@@ -119,17 +119,24 @@ impl OrbitSearch {
         }
         // The motion itself, by the smallest map that closes it and others.
         let solution = begun.first()?;
-        let mut point = begun.smallest(solution)?.0.point;
+        let (solution, spectrum) = begun.smallest(solution)?;
+        let mut point = solution.point.clone();
         match varied {
-            Varied::Parameter(k) => (begun.laps.parameter, point.parameter) = (Some(k), first),
+            Varied::Parameter(k) => {
+                (begun.laps.parameter, point.parameter) = (Some(k), first);
+                let size = values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+                let passes_zero = values.iter().any(|value| value * first <= 0.0);
+                begun.laps.parameter_size = if passes_zero { size } else { 0.0 };
+                begun.hold_energy(&solution, &spectrum);
+            }
             Varied::Energy if begun.laps.keeps_energy() => begun.laps.condition = None,
             Varied::Energy => return Err(NoOrbit::NoEnergy.into()),
         }
-        let mut walk = Walk { begun, varied, nullity: None, aside: 0 };
+        let mut walk = Walk { begun, varied, nullity: None, aside: 0, largest: Vec::new() };
         let start = walk.node(point, None)?;
         walk.nullity = Some(start.solution.linear.free().len());
         let goal = values.last().copied().unwrap_or(first);
-        let (family, thresholds) = walk.along(Walk::towards(start, goal), name, values);
+        let (family, thresholds) = walk.both_ways(start, name, (first, goal), values)?;
         let Some(number) = branch.filter(|_| !family.interrupted) else { return Ok(family) };
         match number.checked_sub(1).and_then(|k| thresholds.get(k)) {
             Some((node, kind)) => {

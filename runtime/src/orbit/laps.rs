@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::closing::{By, Closing};
 use super::drive::{self, Drive};
+use super::guess::sizes;
 use crate::error::{Error, NoOrbit};
 use crate::find::Linearised;
 use crate::mechanism::System;
@@ -30,6 +31,9 @@ pub(super) enum Time {
     Event,
 }
 
+/// Scales that differ from how far motions go by more than this factor are chosen anew.
+const OTHER: f64 = 2.0;
+
 /// What else is wanted.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Condition {
@@ -52,6 +56,8 @@ pub(super) struct Laps {
     pub legs: usize,
     /// A parameter that is unknown too.
     pub parameter: Option<usize>,
+    /// The least size beside which changes of it are small: 0 is passed as any other value.
+    pub parameter_size: f64,
     pub condition: Option<Condition>,
     /// Shifts by any amount, with the momenta along them, which are conserved: they stay those of the guess, or motions that drift ever
     /// faster would be found beside those that are looked for.
@@ -137,7 +143,8 @@ impl Laps {
     }
 
     pub fn parameter_scale(&self, point: &Point) -> f64 {
-        if point.parameter == 0.0 { 1.0 } else { point.parameter.abs() }
+        let size = point.parameter.abs().max(self.parameter_size);
+        if size == 0.0 { 1.0 } else { size }
     }
 
     /// How long a lap takes at a point, s, and how that changes with the parameter.
@@ -152,6 +159,16 @@ impl Laps {
             None => 0.0,
         };
         Ok((period / part as f64, slope / part as f64))
+    }
+
+    /// The sizes of a motion's own numbers, where these are others than those that it was found with by more than a factor.
+    pub fn other_scales(&self, trial: &Trial) -> Option<Vec<f64>> {
+        let mut scales = vec![0.0_f64; self.scales.len()];
+        for sizes in trial.pieces.iter().map(|piece| sizes(&piece.run)) {
+            scales.iter_mut().zip(sizes).for_each(|(scale, size)| *scale = scale.max(size));
+        }
+        let alike = |(new, old): (&f64, &f64)| (OTHER.recip()..OTHER).contains(&(new / old));
+        (!scales.iter().zip(&self.scales).all(alike)).then_some(scales)
     }
 
     /// Runs all pieces, and linearises what does not close.
@@ -174,7 +191,7 @@ impl Laps {
         }
         self.ask_kept(&pieces, closes, (&mut r, &mut j));
         match self.condition.clone() {
-            Some(Condition::Energy(wanted)) => self.ask_energy(wanted, &pieces, (&mut r, &mut j)),
+            Some(Condition::Energy(wanted)) => self.ask_energy(wanted, (point, &pieces), (&mut r, &mut j)),
             Some(Condition::Away { from, along, by }) => {
                 r[size - 1] = along.dot(&self.difference(point, &from)) - by;
                 j.set_row(size - 1, &along.transpose());
@@ -296,11 +313,18 @@ impl Laps {
         self.drive == Drive::None && self.system.description().structure.conservative
     }
 
-    fn ask_energy(&mut self, wanted: f64, pieces: &[Leg], (r, j): (&mut DVector<f64>, &mut DMatrix<f64>)) {
+    fn ask_energy(
+        &mut self,
+        wanted: f64,
+        (point, pieces): (&Point, &[Leg]),
+        (r, j): (&mut DVector<f64>, &mut DMatrix<f64>),
+    ) {
         let (side, last) = (&pieces[0].start, r.len() - 1);
         crate::vary::put(&mut *self.system, side);
-        let (energy, slopes) = super::structure::energy(&*self.system, side);
-        self.ask(last, energy - wanted, &slopes, (r, j));
+        let (energy, mut slopes) = super::structure::energy(&*self.system, side);
+        let by_parameter = self.parameter.map(|k| super::structure::energy_by_parameter(&*self.system, side, k));
+        slopes.extend(by_parameter);
+        self.ask(last, energy - wanted, (&slopes, Some(point)), (r, j));
     }
 
     /// That momenta at the start are those of the guess, and quaternions of unit length that stay so, from a row on.
@@ -309,7 +333,7 @@ impl Laps {
         crate::vary::put(&mut *self.system, side);
         for (k, (shift, wanted)) in self.momenta.iter().enumerate() {
             let (momentum, slopes) = super::structure::momentum(&*self.system, side, shift);
-            self.ask(from + k, momentum - wanted, slopes.as_slice(), (r, j));
+            self.ask(from + k, momentum - wanted, (slopes.as_slice(), None), (r, j));
         }
         let (n, from) = (self.n(), from + self.momenta.len());
         for (k, first) in self.system.description().rotations.iter().enumerate() {
@@ -319,19 +343,30 @@ impl Laps {
                 (length[i], rate[i], rate[n + i]) = (q, v, q);
             }
             let dot = |slopes: &[f64]| slopes.iter().zip(&side.y).map(|(a, b)| a * b).sum::<f64>();
-            self.ask(from + 2 * k, 0.5 * (dot(&length) - 1.0), &length, (r, j));
+            self.ask(from + 2 * k, 0.5 * (dot(&length) - 1.0), (&length, None), (r, j));
             // Each product q v stands twice in what its slopes make of [q; q'].
-            self.ask(from + 2 * k + 1, 0.5 * dot(&rate), &rate, (r, j));
+            self.ask(from + 2 * k + 1, 0.5 * dot(&rate), (&rate, None), (r, j));
         }
     }
 
-    /// That something of the start which differs by so much, with these slopes, does not, as a row of unit length.
-    fn ask(&self, row: usize, differs: f64, slopes: &[f64], (r, j): (&mut DVector<f64>, &mut DMatrix<f64>)) {
-        let scaled: Vec<f64> = slopes.iter().zip(&self.scales).map(|(slope, scale)| slope * scale).collect();
+    /// That something of the start which differs by so much does not, as a row of unit length: its slopes are those by the start and, with the point,
+    /// by the parameter.
+    fn ask(
+        &self,
+        row: usize,
+        differs: f64,
+        (slopes, point): (&[f64], Option<&Point>),
+        (r, j): (&mut DVector<f64>, &mut DMatrix<f64>),
+    ) {
+        let scales = self.scales.iter().copied().chain(point.map(|point| self.parameter_scale(point)));
+        let scaled: Vec<f64> = slopes.iter().zip(scales).map(|(slope, scale)| slope * scale).collect();
         let size = scaled.iter().map(|x| x * x).sum::<f64>().sqrt();
         if size > 0.0 {
             r[row] = differs / size;
-            scaled.iter().enumerate().for_each(|(i, x)| j[(row, i)] = x / size);
+            // The parameter is the last unknown.
+            let place = |i: usize| if i < self.scales.len() { i } else { j.ncols() - 1 };
+            let places: Vec<usize> = (0..scaled.len()).map(place).collect();
+            places.into_iter().zip(scaled).for_each(|(i, x)| j[(row, i)] = x / size);
         }
     }
 

@@ -259,6 +259,7 @@ impl OrbitSearch {
             laps: 1,
             legs,
             parameter: None,
+            parameter_size: 0.0,
             condition,
             momenta,
             scales,

@@ -316,6 +316,14 @@ pub(super) fn energy(system: &dyn System, side: &Side) -> (f64, Vec<f64>) {
     (system.energy(at).jacobi, slopes.collect())
 }
 
+/// The slope of the Jacobi integral by a parameter.
+pub(super) fn energy_by_parameter(system: &dyn System, side: &Side, parameter: usize) -> f64 {
+    let mut slopes = [0.0; 5];
+    let along = Along { parameter: Some(parameter), ..Along::default() };
+    system.slopes(Function::Energies, At::packed(side.t, &side.y, system.len()), &along, &mut slopes);
+    slopes[2]
+}
+
 /// The slopes of a function's numbers by each of [q; q'].
 fn by_state(system: &dyn System, at: At<'_>, function: Function, size: usize) -> Vec<Vec<f64>> {
     let n = system.len();

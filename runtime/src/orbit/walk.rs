@@ -4,7 +4,6 @@ use nalgebra::{DMatrix, DVector};
 
 use super::begun::Begun;
 use super::family::{Family, Member, OrbitChange};
-use super::guess::sizes;
 use super::laps::{Condition, Laps, Point, Solution, lcm};
 use super::stability::{Spectrum, beside, map, spectrum};
 use super::structure;
@@ -29,8 +28,9 @@ const ALONG: f64 = 0.9;
 const MEMBERS: f64 = 20.0;
 /// Members at most.
 const MOST: usize = 600;
-/// Scales that differ from how far motions go by more than this factor are chosen anew.
-const OTHER: f64 = 2.0;
+/// Scales are no smaller than this part of the largest that members have had: a family whose motions shrink to rest and grow again, as the answer to
+/// a force that passes 0, is followed through it.
+const LEAST: f64 = 1e-2;
 /// A null direction of the linearised equations is one of structure where it solves them to this part.
 const SOLVES: f64 = 1e-5;
 
@@ -60,6 +60,8 @@ pub(super) struct Walk {
     pub nullity: Option<usize>,
     /// Directions that are left out beside: where another family crosses one more changes nothing.
     pub aside: usize,
+    /// The largest scales that members have had; none before the first.
+    pub largest: Vec<f64>,
 }
 
 impl Walk {
@@ -143,11 +145,15 @@ impl Walk {
     /// A member with scales of its own motion.
     fn rescaled(&mut self, node: Node) -> Node {
         let laps = &mut self.begun.laps;
-        let runs = node.solution.trial.pieces.iter().map(|piece| sizes(&piece.run));
-        let mut scales = vec![0.0_f64; laps.scales.len()];
-        runs.for_each(|sizes| scales.iter_mut().zip(sizes).for_each(|(scale, size)| *scale = scale.max(size)));
-        let alike = |(new, old): (&f64, &f64)| (OTHER.recip()..OTHER).contains(&(new / old));
-        if scales.iter().zip(&node.scales).all(alike) {
+        if self.largest.is_empty() {
+            self.largest.clone_from(&node.scales);
+        }
+        let Some(mut scales) = laps.other_scales(&node.solution.trial) else { return node };
+        for (scale, largest) in scales.iter_mut().zip(&mut self.largest) {
+            *largest = largest.max(*scale);
+            *scale = scale.max(LEAST * *largest);
+        }
+        if scales == node.scales {
             return node;
         }
         let width = scales.len();
@@ -163,6 +169,37 @@ impl Walk {
                 node
             }
         }
+    }
+
+    /// Walks from a member towards the last of some values; before that, where it lies between the first and the last, towards the first.
+    ///
+    /// # Errors
+    /// The member is not found again.
+    pub fn both_ways(
+        &mut self,
+        start: Node,
+        name: &str,
+        (first, last): (f64, f64),
+        values: &[f64],
+    ) -> Result<(Family, Vec<(Node, OrbitChange)>), Error> {
+        let (here, point, scales) = (start.value, start.solution.point.clone(), start.scales.clone());
+        let before = |value: &f64| (value - here) * (first - here) > 0.0;
+        if (first - here) * (last - here) >= 0.0 {
+            return Ok(self.along(Walk::towards(start, last), name, values));
+        }
+        let [back, on]: [Vec<f64>; 2] =
+            [true, false].map(|way| values.iter().copied().filter(|x| before(x) == way).collect());
+        let (earlier, changes) = self.along(Walk::towards(start, first), name, &back);
+        if earlier.interrupted {
+            return Ok((earlier, changes));
+        }
+        self.begun.laps.scales = scales;
+        let again = self.node(point, None)?;
+        let (mut family, later) = self.along(Walk::towards(again, last), name, &on);
+        family.members = earlier.members.into_iter().skip(1).rev().chain(family.members).collect();
+        family.thresholds = earlier.thresholds.into_iter().rev().chain(family.thresholds).collect();
+        family.ended = family.ended.or(earlier.ended);
+        Ok((family, changes.into_iter().rev().chain(later).collect()))
     }
 
     /// Walks from a member on, until it has left the range of some values, its own included.

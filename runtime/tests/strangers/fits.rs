@@ -57,3 +57,24 @@ fn fits_without_residuals_keep_their_digits() {
     // What is left is rounding, which tells nothing of a record.
     assert!(text.contains("standard error ?, 95 % within ?"), "{text}");
 }
+
+/// x = F t²/(2 m): what is missed is measured alike before and after a step, whatever the motion makes of it, so that steps are no worse than they are.
+#[test]
+fn values_far_below_those_of_the_guess_were_not_found() {
+    let path = folder("fits").join("pushed.yaml");
+    let text = "name: P\nparameters: {m: 1 kg, F: 1 N}\ncoordinates: {x: m}\nkinetic_energy: m*x'^2/2\ngeneralized_forces: {x: F}\n\
+        scene: {start: {x: 0}, until: 1}\n";
+    std::fs::write(&path, text).expect("a file");
+    let solved = |unknown: &str, wanted: &str| {
+        let path = path.to_str().expect("a path");
+        program(&["solve", path, "--unknown", unknown, "--such-that", wanted]).expect("a solution")
+    };
+    for (x, m) in [(0.24, "m = 2.08333333333"), (0.1, "m = 5.0000000000"), (1e-3, "m = 500.00000000")] {
+        let told = solved("m=1", &format!("x={x}"));
+        assert!(told.contains(m), "{told}");
+    }
+    for (x, until) in [("1e6", "until = 1414.21356237"), ("1e-6", "until = 0.00141421356237")] {
+        let told = solved("until=1", &format!("x={x}"));
+        assert!(told.contains(until), "{told}");
+    }
+}
