@@ -126,3 +126,15 @@ fn the_guess_of_a_rotation_has_the_forms_of_its_start() {
     assert!(super::try_run(&hinge.replace("GUESS", "0.3"), &[]).unwrap_err().contains("E436"));
     assert!(super::try_run(&hinge.replace("att: GUESS", "att: [[x, 3]], \"att\": 3"), &[]).is_err());
 }
+
+/// A rigid pendulum turns freely about the vertical: what rounding leaves of a stiffness there, 1e-38 N m beside 24, is none.
+#[test]
+fn a_free_turn_is_not_unstable_by_rounding_of_rounding() {
+    let text = "name: P\nparameters: {m: 2 kg, a: 0.3 m, I1: 0.02 kg*m^2, I3: 0.03 kg*m^2, g: 9.81 m/s^2}\ncoordinates: {q: rotation}\n\
+        frames: {B: {rotate: q}}\nbodies: {b: {mass: m, inertia: [I1, 1.2*I1, I3], frame: B, position: a*B.z}}\ngravity: [0, 0, -g]\n\
+        scene: {start: {q: [[x, 2.9], [y, 0.3]]}, until: 2}\n";
+    for start in ["[[x, 2.9], [y, 0.3]]", "[[x, 2.5], [z, 0.7]]", "[[y, 3]]"] {
+        let told = words(&text.replace("[[x, 2.9], [y, 0.3]]", start), &[]).expect("modes");
+        assert!(told.contains("1: rigid, no stiffness") && !told.contains("unstable"), "{told}");
+    }
+}

@@ -8,6 +8,8 @@
 //!
 //! The first equation then gives what the constraints carry, δλ.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::rest::Constrained;
@@ -16,7 +18,7 @@ use crate::linear::equilibrium::LinearisationPoint;
 use crate::linear::forced::slopes_of;
 use crate::linear::{Drive, LinearError, Observed, Source, SparseMatrix, Steady};
 use crate::matrix::solve_least;
-use crate::mechanism::dense::{constraint_rates_by_inputs, force_slopes, input_matrix};
+use crate::mechanism::dense::{SECOND_ROUNDING, constraint_rates_by_inputs, force_slopes, input_matrix};
 use crate::mechanism::{Description, Solutions, System, rows_in_force};
 
 /// Rows that inputs move may be missed by this part of their terms.
@@ -31,6 +33,8 @@ pub(in crate::linear) struct Whole {
     stiffness: DMatrix<f64>,
     /// How fast the terms of F grow with q and q'.
     terms: [DMatrix<f64>; 2],
+    /// The first independent coordinate with the unit of each.
+    alike: Vec<usize>,
     /// B, n × 3m.
     input: DMatrix<f64>,
     /// J.
@@ -57,11 +61,13 @@ impl Whole {
         let jacobian = held.jacobian(state);
         let Solutions { basis: motions, independent, .. } = Solutions::of(&held.holding(state), &[]);
         let inputs = &held.system.description().inputs;
+        let units = held.units();
         let mut whole = Whole {
             mass: held.mass(state),
             damping,
             stiffness,
             terms: held.slopes_of_terms(state),
+            alike: independent.iter().map(|i| units.iter().position(|unit| *unit == units[*i]).unwrap_or(*i)).collect(),
             input: -input_matrix(held.system, state.at()),
             jacobian,
             motions,
@@ -156,7 +162,17 @@ impl Whole {
         let cleaned = |matrix: &DMatrix<f64>, terms: &DMatrix<f64>| {
             let largest = size.transpose() * (terms + matrix.abs()) * &size;
             let mut reduced = self.reduced(matrix);
-            let matters = |(i, j, x): &(u32, u32, f64)| x.abs() > CANCELLED * largest[(*i as usize, *j as usize)];
+            let kind = |(i, j, _): &(u32, u32, f64)| [i, j].map(|i| self.alike[*i as usize]);
+            let mut most: BTreeMap<[usize; 2], f64> = BTreeMap::new();
+            for entry in &reduced.entries {
+                let most = most.entry(kind(entry)).or_default();
+                *most = most.max(entry.2.abs());
+            }
+            // Beside those between coordinates of the same units, rounding of rounding is nothing, its own terms may be as small.
+            let matters = |entry: &(u32, u32, f64)| {
+                let (i, j, x) = (entry.0 as usize, entry.1 as usize, entry.2.abs());
+                x > CANCELLED * largest[(i, j)] && x > SECOND_ROUNDING * most[&kind(entry)]
+            };
             reduced.entries.retain(matters);
             reduced
         };
