@@ -1,6 +1,6 @@
 //! Where to look for a motion that repeats.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 use super::closing::{By, Closing};
 use crate::error::{Error, NoOrbit};
@@ -79,8 +79,6 @@ fn vertex([before, here, after]: [f64; 3]) -> f64 {
 /// A mode of small motions about the equilibrium near a start.
 struct RestingMode {
     linear: Linearised,
-    /// Where coordinates depend on each other, how all follow the independent ones.
-    follow: Option<DMatrix<f64>>,
     omega: f64,
     /// The shape in the independent coordinates, and in all.
     independent: Vec<f64>,
@@ -108,7 +106,7 @@ impl RestingMode {
             Some(motions) => (motions * DVector::from_column_slice(&independent)).as_slice().to_vec(),
             None => independent.clone(),
         };
-        Ok(RestingMode { omega: mode.omega, linear, follow, independent, shape })
+        Ok(RestingMode { omega: mode.omega, linear, independent, shape })
     }
 
     /// The coordinate that moves most, by its place, and by how much in the shape.
@@ -127,8 +125,13 @@ pub(super) fn most_moved(system: &dyn System, start: &[f64], number: usize) -> R
     Ok(RestingMode::find(system, start, number)?.largest().0)
 }
 
+/// An amplitude is shortened by this factor, at most so often, until its energy is no more than so many times the one that is wanted.
+const SHORTER: f64 = 0.8;
+const SHORTENED: usize = 60;
+const NEAR_ENOUGH: f64 = 1.2;
+
 /// A state at rest, displaced from the equilibrium along a mode so that the coordinate that moves most moves by this amplitude, or by as much
-/// as gives it an energy if it grows like the square of the amplitude; the period of small motions, and the energy of the equilibrium.
+/// as gives small motions an energy; the period of small motions, and the energy of the equilibrium.
 /// With constraints it is displaced along a tangent of theirs, and the run that begins there closes them.
 ///
 /// # Errors
@@ -141,7 +144,7 @@ pub(super) fn mode(
 ) -> Result<(Vec<f64>, f64, f64), Error> {
     let mode = RestingMode::find(system, start, number)?;
     let largest = mode.largest().1;
-    let RestingMode { linear, follow, omega, independent, shape } = mode;
+    let RestingMode { linear, omega, independent, shape } = mode;
     let rests = &linear.equilibrium.q;
     let displaced = |amplitude: f64| -> Vec<f64> {
         let mut q: Vec<f64> = rests.iter().zip(&shape).map(|(q, x)| q + amplitude * x / largest).collect();
@@ -153,18 +156,25 @@ pub(super) fn mode(
         q
     };
     let rest = vec![0.0; shape.len()];
-    let energy = |q: &[f64]| system.energy(crate::mechanism::At::new(0.0, q, &rest)).jacobi;
-    let least = energy(rests);
-    let risen = match &follow {
-        // A shape displaced along a tangent of the constraints has left them: its energy is that of small motions.
-        Some(_) => {
-            let shape = DVector::from_column_slice(&independent) * (amplitude / largest);
-            0.5 * omega * omega * shape.dot(&(linear.m() * &shape))
-        }
-        None => energy(&displaced(amplitude)) - least,
-    };
+    let least = system.energy(crate::mechanism::At::new(0.0, rests, &rest)).jacobi;
+    // By the energy of small motions, which an amplitude that is large for the mechanism does not have.
+    let small = DVector::from_column_slice(&independent) * (amplitude / largest);
+    let risen = 0.5 * omega * omega * small.dot(&(linear.m() * &small));
     let grown = wanted.map(|wanted| (wanted / risen).sqrt());
-    let factor = grown.filter(|factor| factor.is_finite() && *factor > 0.0).unwrap_or(1.0);
+    let mut factor = grown.filter(|factor| factor.is_finite() && *factor > 0.0).unwrap_or(1.0);
+    if let Some(wanted) = wanted.filter(|_| !has_dependent_coordinates(system)) {
+        // What gets stiffer has this energy sooner.
+        let energy = |factor: f64| {
+            let q = displaced(factor * amplitude);
+            system.energy(crate::mechanism::At::new(0.0, &q, &rest)).jacobi - least
+        };
+        for _ in 0..SHORTENED {
+            if energy(factor) <= wanted * NEAR_ENOUGH {
+                break;
+            }
+            factor *= SHORTER;
+        }
+    }
     Ok(([displaced(factor * amplitude), rest].concat(), std::f64::consts::TAU / omega, least))
 }
 

@@ -233,3 +233,76 @@ scene: {start: {x: 0}, until: 10}
         assert!(values.windows(2).all(|pair| pair[0] != pair[1]), "{printed}");
     }
 }
+
+/// x'' = s x + cos t, whose guess from rest grows by 3·10¹³ in a period: x = -1/(s + 1) at the start.
+#[test]
+fn beside_a_guess_that_runs_away_anything_closed() {
+    let unstable = "name: U\nparameters: {s: 100 1/s^2, F: 1 1/s^2, w: 1 rad/s}\ncoordinates: {x: 1}\nkinetic_energy: x'^2/2\n\
+        potential_energy: -s*x^2/2\ngeneralized_forces: {x: u}\ninputs: {u: F*cos(w*t)}\nscene: {start: {x: 0}, until: 3, tolerance: 1e-12}\n";
+    for (s, x) in [("100", -1.0 / 101.0), ("49", -1.0 / 50.0), ("36", -1.0 / 37.0)] {
+        let found = orbit("unstable", unstable, &["--set", &format!("s={s}")]).expect("an orbit");
+        let start = found.split_once("  x = ").map(|(_, rest)| number(rest)).expect("a start");
+        assert!((start / x - 1.0).abs() < 1e-12, "{found}");
+    }
+}
+
+/// Rows of a family: what varies, the period.
+fn rows(printed: &str) -> Vec<[f64; 2]> {
+    let row = |line: &str| {
+        let mut numbers = line.split_whitespace().map_while(|word| word.parse().ok());
+        Some([numbers.next()?, numbers.next()?])
+    };
+    printed.lines().skip(2).filter_map(row).collect()
+}
+
+const DUFFING: &str = "name: D\nparameters: {m: 1 kg, k: 1 N/m, k3: 1 N/m^3}\ncoordinates: {x: m}\nkinetic_energy: m*x'^2/2\n\
+    potential_energy: k*x^2/2 + k3*x^4/4\nscene: {start: {x: 1}, until: 10, tolerance: 1e-12}\n";
+
+/// Of motions that keep their energy there is one of each: where a parameter varies they have that of the first, and do not wander.
+#[test]
+fn families_by_a_parameter_wandered_through_energies() {
+    let found = orbit("duffing", DUFFING, &["--vary", "k3=0..5"]).expect("a family");
+    let rows = rows(&found);
+    let [k3, last] = *rows.last().expect("rows");
+    assert!(k3 == 5.0 && rows.len() < 100 && !found.contains("fold") && !found.contains("ended"), "{found}");
+    // With 0.5 J: x²/2 + 5 x⁴/4 = 1/2 at the ends.
+    let x = ((1.0 + 10.0_f64.sqrt().powi(2)).sqrt() - 1.0).sqrt() / 5.0_f64.sqrt();
+    let alone = orbit("duffing", DUFFING, &["--set", "k3=5", "--start", &format!("x={x}")]).expect("an orbit");
+    assert!((last / period(&alone) - 1.0).abs() < 1e-5, "{last} {alone}");
+}
+
+/// The answer to a force F cos w t is as large as F: where this passes 0 so does the family.
+#[test]
+fn families_ended_where_a_parameter_is_zero() {
+    let forced = "name: F\nparameters: {m: 1 kg, k: 1 N/m, c: 0.1 N*s/m, F: 1 N, w: 1.7 rad/s}\ncoordinates: {x: m}\nkinetic_energy: m*x'^2/2\n\
+        potential_energy: k*x^2/2\ngeneralized_forces: {x: u - c*x'}\ninputs: {u: F*cos(w*t)}\nscene: {start: {x: 0}, until: 10}\n";
+    let found = orbit("forced", forced, &["--vary", "F=-1..1"]).expect("a family");
+    let rows = rows(&found);
+    assert!(rows.last().is_some_and(|row| row[0] == 1.0) && rows.len() < 100 && !found.contains("ended"), "{found}");
+}
+
+/// A pendulum's energies are negative: `..B` ends at B, and A..B begins at A, however large the energy of the motion is that is found first.
+#[test]
+fn families_by_energy_begin_and_end_where_is_asked() {
+    let pendulum = "name: P\nparameters: {m: 1 kg, l: 1 m, g: 9.81 m/s^2}\ncoordinates: {th: rad}\n\
+        bodies: {b: {mass: m, position: 'l*[sin(th), -cos(th)]'}}\ngravity: [0, -g]\nscene: {start: {th: 1}, until: 10, tolerance: 1e-12}\n";
+    let ends = |range: &str| {
+        let found = rows(&orbit("pendulum", pendulum, &["--vary", range]).expect("a family"));
+        assert!(found.windows(2).all(|pair| pair[1][0] > pair[0][0]), "{found:?}");
+        [found.first(), found.last()].map(|row| row.expect("rows")[0])
+    };
+    assert!((ends("energy=..-2")[0] + 9.81 * 1.0_f64.cos()).abs() < 1e-4);
+    assert_eq!(ends("energy=..-2")[1], -2.0);
+    assert_eq!(ends("energy=-9..-2"), [-9.0, -2.0]);
+}
+
+/// The amplitude of a mode with an energy is that of the mechanism, of whatever size it is.
+#[test]
+fn modes_of_an_energy_are_found_in_micrometres_too() {
+    let small = DUFFING.replace("m: 1 kg, k: 1 N/m, k3: 1 N/m^3", "m: 1e-15 kg, k: 2e-3 N/m, k3: 3e9 N/m^3");
+    let small = small.replace("x: 1}, until: 10", "x: 1e-6}, until: 1e-5");
+    let found = orbit("micro", &small, &["--from", "mode 1", "--energy", "1e-14"]).expect("an orbit");
+    assert!((period(&found) / 2.139_240_607_656e-6 - 1.0).abs() < 1e-11, "{found}");
+    let found = orbit("stiff", DUFFING, &["--from", "mode 1", "--energy", "100"]).expect("an orbit");
+    assert!((period(&found) / 1.638_890_722_145 - 1.0).abs() < 1e-11, "{found}");
+}
