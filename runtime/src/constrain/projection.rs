@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::matrix::svd;
 use crate::mechanism::dense::{self, constraint_matrix, sizes_alike};
 use crate::mechanism::{At, KktSolver, Singular, System, rows_in_force};
 
@@ -27,8 +28,17 @@ pub(crate) struct Projection {
     worst: Residuals,
     /// What rounding of constraints makes of [q; q'].
     constraint_round_off: Vec<f64>,
-    /// Rows that are independent, and their J, at the last state that was near a singular position.
-    before: Option<(Vec<usize>, DMatrix<f64>)>,
+    /// The last state, if it was near a singular position.
+    before: Option<Near>,
+}
+
+/// A state near a singular position.
+#[derive(Clone, Debug)]
+struct Near {
+    /// Rows that are independent.
+    rows: Vec<usize>,
+    t: f64,
+    q: Vec<f64>,
 }
 
 /// How far a motion is from its constraints, in their own units.
@@ -52,8 +62,18 @@ const ITERATIONS: usize = 8;
 const NEARLY_SINGULAR: f64 = 0.1;
 /// Steps from closer than this to a singular position may lead across it.
 const NEAR: f64 = 0.3;
+/// Halvings with which a singular position is looked for between two states: rows are linear in places so near to each other.
+const HALVES: u32 = 20;
+/// At a singular position rows are nearer to depending on each other by this factor at least: the way to it and from it is some steps long.
+const DEPENDENT: f64 = 0.25;
 /// A correction that leaves more than this of the residual calls for new matrices, or does not help at all.
 const SLOW: f64 = 0.3;
+
+/// The least singular value of rows in these units; 0 of none.
+fn least(mut rows: DMatrix<f64>, units: &[f64]) -> f64 {
+    rows.row_iter_mut().zip(units).for_each(|(mut row, unit)| row.unscale_mut(*unit));
+    svd(rows, false, false).map_or(0.0, |svd| svd.singular_values.min())
+}
 
 impl Projection {
     /// Room for a mechanism; `None` for one without constraints.
@@ -232,20 +252,31 @@ impl Projection {
         self.corrects && self.form.weakest() <= NEARLY_SINGULAR
     }
 
-    /// Whether a singular position lies between the state that was projected last and the one before: there the minors of J
-    /// change their signs.  `usual` rows are independent elsewhere.
+    /// Whether a singular position lies between the state that was projected last and the one before: there a minor of J changes its sign, and where
+    /// it does on the way the rows depend on each other far more than at either end.  `usual` rows are independent elsewhere.
     pub fn passed<S: System + ?Sized>(&mut self, system: &S, place: At<'_>, usual: usize) -> bool {
         let near = self.corrects && self.form.rank() >= usual && self.form.weakest() <= NEAR;
-        let here = near.then(|| {
-            let rows = self.form.chosen_first(usual);
-            let j = constraint_matrix(system, place, &rows);
-            (rows, j)
-        });
-        let Some((rows, before)) = std::mem::replace(&mut self.before, here) else { return false };
+        let here = near.then(|| Near { rows: self.form.chosen_first(usual), t: place.t, q: place.q.to_vec() });
+        let Some(before) = std::mem::replace(&mut self.before, here) else { return false };
+        let on_the_way = |part: f64| {
+            let q: Vec<f64> = before.q.iter().zip(place.q).map(|(from, to)| from + part * (to - from)).collect();
+            constraint_matrix(system, At::place(before.t + part * (place.t - before.t), &q), &before.rows)
+        };
+        let [from, to] = [0.0, 1.0].map(on_the_way);
         let mut columns = DMatrix::from_fn(1, system.len(), |_, j| j);
-        before.clone().col_piv_qr().p().permute_columns(&mut columns);
-        let minor = |j: &DMatrix<f64>| j.select_columns(columns.iter().take(rows.len())).determinant();
-        minor(&before) * minor(&constraint_matrix(system, place, &rows)) < 0.0
+        from.clone().col_piv_qr().p().permute_columns(&mut columns);
+        let minor = |j: &DMatrix<f64>| j.select_columns(columns.iter().take(before.rows.len())).determinant();
+        if minor(&from) * minor(&to) >= 0.0 {
+            return false;
+        }
+        let (mut low, mut high) = (0.0, 1.0);
+        for _ in 0..HALVES {
+            let middle = 0.5 * (low + high);
+            if minor(&from) * minor(&on_the_way(middle)) > 0.0 { low = middle } else { high = middle }
+        }
+        // A row may vanish by itself.
+        let units: Vec<f64> = from.row_iter().zip(to.row_iter()).map(|(from, to)| from.norm().max(to.norm())).collect();
+        least(on_the_way(high), &units) < DEPENDENT * least(from, &units).min(least(to, &units))
     }
 
     /// What rounding of c makes of q, and that in turn of q', at the state that was projected last; `None` where it is
