@@ -62,6 +62,15 @@ pub(crate) fn consistent<S: System + ?Sized>(system: &S, start: &Start<'_>) -> R
     Ok(y)
 }
 
+/// What makes a step short.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Steps {
+    /// Its length in SI units.
+    InSi,
+    /// What its coordinates do to the constraints.
+    ByEffect,
+}
+
 pub(super) struct Closing<'a, S: System + ?Sized> {
     pub system: &'a S,
     pub t: f64,
@@ -133,8 +142,24 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
         constraint_matrix(self.system, At::place(self.t, &y[..self.n]), rows)
     }
 
-    /// Levenberg's and Marquardt's iteration to c = 0 (Moré 1978), rows divided by their norms.
+    /// Goes to c = 0 by steps that are short in SI units; where these lead nowhere, as from lengths of 10¹² m beside angles, by steps that are short
+    /// in units in which each coordinate matters alike.
     pub fn close(&self, y: &mut [f64]) -> Result<(), Box<Cause>> {
+        let guess = y.to_vec();
+        self.close_by_steps(y, Steps::InSi).or_else(|why| {
+            let mut other = guess;
+            match self.close_by_steps(&mut other, Steps::ByEffect) {
+                Ok(()) => {
+                    y.copy_from_slice(&other);
+                    Ok(())
+                }
+                Err(_) => Err(why),
+            }
+        })
+    }
+
+    /// Levenberg's and Marquardt's iteration to c = 0 (Moré 1978), rows divided by their norms.
+    fn close_by_steps(&self, y: &mut [f64], steps: Steps) -> Result<(), Box<Cause>> {
         let mut damping = 1e-3;
         let mut scales = vec![0.0_f64; self.holonomic.len()];
         let mut longest = vec![0.0_f64; self.free.len()];
@@ -163,9 +188,9 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
                 break;
             }
             let normal = a.transpose() * &a;
-            // Steps are short in units in which each coordinate matters alike.
+            let mean = normal.trace() / normal.nrows().max(1) as f64;
             for (longest, own) in longest.iter_mut().zip(normal.diagonal().iter()) {
-                *longest = longest.max(*own);
+                *longest = if steps == Steps::InSi { mean } else { longest.max(*own) };
             }
             let mut moved = false;
             // Beyond half a turn an angle is at a place that is nearer the other way.
@@ -173,7 +198,7 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
             for _ in 0..60 {
                 let mut damped = normal.clone();
                 for (i, longest) in longest.iter().enumerate() {
-                    damped[(i, i)] += damping * if *longest > 0.0 { *longest } else { 1.0 };
+                    damped[(i, i)] += damping * if *longest > 0.0 || steps == Steps::InSi { *longest } else { 1.0 };
                 }
                 let Some(mut step) = damped.cholesky().map(|cholesky| cholesky.solve(&gradient)) else { break };
                 let turned =
