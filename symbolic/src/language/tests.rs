@@ -137,7 +137,10 @@ fn messages() {
         ("a ** 2", "E107 2..4 `**` is not an operator here write `^` for a power"),
         ("a && b", "E107 2..4 `&&` is not an operator here conditions are written with `step`, `if:` or `when:`"),
         ("a $ b", "E101 2..3 the character `$` means nothing here "),
-        ("x'''", "E111 1..4 `x` has more than two primes write `rate(…)` for further time derivatives"),
+        (
+            "x'''",
+            "E111 1..4 `x` has more than two primes third time derivatives are not known; `x''` may stand in `outputs`, `checks`, `balances` and `events`",
+        ),
         (
             "(x)'",
             "E112 3..4 only a coordinate or an input may have a prime write `rate(…)` for the time derivative of anything else",

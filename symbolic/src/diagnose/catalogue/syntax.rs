@@ -32,7 +32,7 @@ super::entries! {
         "the expression is nested deeper than {limit} levels" "" "give parts of it names in `define`"
         "The limit keeps a hostile expression from exhausting the stack.";
     E111 too_many_primes(name) "more than two primes"
-        "`{name}` has more than two primes" "at most two" "write `rate(…)` for further time derivatives"
+        "`{name}` has more than two primes" "at most two" "third time derivatives are not known; `{name}''` may stand in `outputs`, `checks`, `balances` and `events`"
         "`x'` is a velocity and `x''` an acceleration.";
     E112 prime_misplaced() "a prime after something that is not a name"
         "only a coordinate or an input may have a prime" "" "write `rate(…)` for the time derivative of anything else"

@@ -132,7 +132,7 @@ impl Resolver<'_> {
             }
             Kind::Contact(text) => {
                 let gap = spot.get("gap").and_then(|gap| gap.text(&mut Vec::new()));
-                let item = self.item(name.clone(), gap.map(Written::One), Rules::constraint(), Want::Scalar, locals);
+                let item = self.item(name.clone(), gap.map(Written::One), Rules::joint("a gap"), Want::Scalar, locals);
                 self.scope.constraints.push(ConstraintNames { name: name.clone(), item, first: None, scale: None });
                 let rates = (self.scope.dimension == 2).then(|| self.contact_rates(&name, text, locals)).flatten();
                 approach = rates.map(|[_, approach]| approach);
