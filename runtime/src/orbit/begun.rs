@@ -132,8 +132,8 @@ impl Begun {
     /// A solution by the smallest map that closes it, in pieces short enough for its multipliers.
     pub fn smallest(&mut self, solution: Solution) -> Result<(Solution, Spectrum), Error> {
         let mut steps = solution.steps;
-        let mut solution = self.in_own_scales(solution)?;
         self.at_rest(&solution)?;
+        let mut solution = self.in_own_scales(solution)?;
         if let Some(smaller) = self.reduce(&solution)? {
             steps += smaller.steps;
             solution = smaller;

@@ -249,12 +249,21 @@ fn settle(system: &mut dyn System, settings: &mut Settings, (closing, lap): (&Cl
 /// A coordinate that moves by this part of itself moves by rounding.
 const RESTS: f64 = 64.0 * f64::EPSILON;
 
+/// A rate that changes by no more than this part of itself is steady: what changes is what errors of a run make of it.
+const STEADY: f64 = 1e-6;
+
 /// How far coordinates of one unit go, and rates.
 pub(super) fn sizes(run: &Run) -> Vec<f64> {
+    sizes_of_pieces(&[run])
+}
+
+/// The same of a motion in pieces.
+pub(super) fn sizes_of_pieces(pieces: &[&Run]) -> Vec<f64> {
+    let Some(run) = pieces.first() else { return Vec::new() };
     let coordinates = &run.description.coordinates;
     let n = coordinates.len();
     let range = |i: usize| {
-        let values = run.rows.chunks_exact(2 * n).map(|row| row[i]);
+        let values = pieces.iter().flat_map(|run| run.rows.chunks_exact(2 * n)).map(|row| row[i]);
         let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
         // Rounding of a number of a quaternion is that of its length, which is 1.
         let is_of_rotation =
@@ -266,7 +275,15 @@ pub(super) fn sizes(run: &Run) -> Vec<f64> {
         let (range, largest) = range(i);
         range <= RESTS * largest
     };
-    let range = |i: usize| if rests(i % n) { 0.0 } else { range(i).0 };
+    let range = |i: usize| {
+        let (range, largest) = range(i);
+        match rests(i % n) {
+            true => 0.0,
+            // A rate that stays as it is has the size of itself.
+            false if i >= n && range <= STEADY * largest => largest,
+            false => range,
+        }
+    };
     let of = |i: usize| {
         let half = if i < n { 0 } else { n };
         let alike = (0..n).filter(|k| coordinates[*k].unit == coordinates[i - half].unit);

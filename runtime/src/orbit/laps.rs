@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::closing::{By, Closing};
 use super::drive::{self, Drive};
-use super::guess::sizes;
+use super::guess::sizes_of_pieces;
 use crate::error::{Error, NoOrbit};
 use crate::find::Linearised;
 use crate::mechanism::System;
@@ -163,10 +163,7 @@ impl Laps {
 
     /// The sizes of a motion's own numbers, where these are others than those that it was found with by more than a factor.
     pub fn other_scales(&self, trial: &Trial) -> Option<Vec<f64>> {
-        let mut scales = vec![0.0_f64; self.scales.len()];
-        for sizes in trial.pieces.iter().map(|piece| sizes(&piece.run)) {
-            scales.iter_mut().zip(sizes).for_each(|(scale, size)| *scale = scale.max(size));
-        }
+        let scales = sizes_of_pieces(&trial.pieces.iter().map(|piece| &piece.run).collect::<Vec<_>>());
         let alike = |(new, old): (&f64, &f64)| (OTHER.recip()..OTHER).contains(&(new / old));
         (!scales.iter().zip(&self.scales).all(alike)).then_some(scales)
     }

@@ -56,11 +56,17 @@ pub(super) fn spectrum(laps: &mut Laps, trial: &Trial) -> Spectrum {
         let sides: Vec<_> = trial.pieces.iter().map(|piece| piece.start.clone()).collect();
         structure::shifts(&*laps.system, &sides)
     };
+    // A momentum along an edge that turns is conserved where the motion starts, and nowhere else.
+    let mut conserved = shifts.clone();
+    for piece in &trial.pieces {
+        put(&mut *laps.system, &piece.start);
+        conserved = structure::conserving(&*laps.system, &piece.start, conserved);
+    }
     let timed = matches!(laps.time, Time::Driven);
     let mut places: Vec<Place> = Vec::with_capacity(count);
     for piece in &trial.pieces {
         put(&mut *laps.system, &piece.start);
-        let gradients = structure::gradients(&*laps.system, &piece.start, &shifts);
+        let gradients = structure::gradients(&*laps.system, &piece.start, &conserved);
         let known = (piece.start_rate.as_slice(), gradients.as_slice());
         let mut generators = structure::generators(&*laps.system, &piece.start, known, &shifts);
         if timed {

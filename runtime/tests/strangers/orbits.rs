@@ -306,3 +306,23 @@ fn modes_of_an_energy_are_found_in_micrometres_too() {
     let found = orbit("stiff", DUFFING, &["--from", "mode 1", "--energy", "100"]).expect("an orbit");
     assert!((period(&found) / 1.638_890_722_145 - 1.0).abs() < 1e-11, "{found}");
 }
+
+/// A particle and a car whose headings turn evenly go round in circles, of any radius: a momentum is conserved along their edges where they start, and
+/// nowhere else.  Two constraints on speeds leave hardly a direction in which the circle changes, and close to rounding.
+#[test]
+fn circles_of_what_rolls_were_no_orbits() {
+    let model = |constraints: &str, start: &str| {
+        format!(
+            "name: C\nparameters: {{m: 1 kg, I: 2 kg*m^2, R: 3 m}}\ncoordinates: {{x: m, y: m, th: rad}}\n\
+             bodies: {{b: {{mass: m, inertia: I, angle: th, position: '[x, y]'}}}}\nconstraints: {{{constraints}}}\n\
+             scene: {{start: {{{start}}}, until: 30, tolerance: 1e-12}}\n"
+        )
+    };
+    let edge = "edge: 'dot(velocity(b), b.y)'";
+    let turn = format!("{edge}, turn: \"dot(velocity(b), b.x) - R*th'\"");
+    for text in [model(edge, "x': 1, th': 0.5"), model(&turn, "th': 0.5")] {
+        let found = orbit("circle", &text, &["--turn", "th=1", "--period", "12.566370614359172"]).expect("an orbit");
+        assert!((period(&found) / (4.0 * std::f64::consts::PI) - 1.0).abs() < 1e-12, "{found}");
+        assert!(found.contains("no small change grows"), "{found}");
+    }
+}
