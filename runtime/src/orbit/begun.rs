@@ -2,9 +2,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::closing::{By, Difference};
+use super::closing::{By, Closing, Difference};
+use super::family::BETWEEN;
 use super::found::Orbit;
-use super::guess::begin_at;
+use super::guess::{begin_at, states_of};
 use super::laps::{Condition, Laps, Point, Solution, Time, itinerary, lcm};
 use super::smallest::{self, FOLLOWS, WithPeriod};
 use super::stability::{Spectrum, beside, spectrum};
@@ -132,7 +133,7 @@ impl Begun {
     /// A solution by the smallest map that closes it, in pieces short enough for its multipliers.
     pub fn smallest(&mut self, solution: Solution) -> Result<(Solution, Spectrum), Error> {
         let mut steps = solution.steps;
-        self.at_rest(&solution)?;
+        self.only_rests(&solution)?;
         let mut solution = self.in_own_scales(solution)?;
         if let Some(smaller) = self.reduce(&solution)? {
             steps += smaller.steps;
@@ -158,9 +159,28 @@ impl Begun {
 
     /// Refuses a motion that has shrunk to rest, where nothing drives it: rest under a drive may be stable or not.
     pub fn at_rest(&self, solution: &Solution) -> Result<(), Error> {
-        if self.laps.time == Time::Driven {
+        match self.laps.time != Time::Driven && self.goes(solution) <= SHRUNK {
+            true => Err(NoOrbit::Rest.into()),
+            false => Ok(()),
+        }
+    }
+
+    /// As [`Begun::at_rest`], and where what is said to drive does not, as a force F cos w t with F = 0.
+    fn only_rests(&self, solution: &Solution) -> Result<(), Error> {
+        self.at_rest(solution)?;
+        if self.goes(solution) > SHRUNK {
             return Ok(());
         }
+        let states: Vec<_> = solution.trial.pieces.iter().flat_map(|piece| states_of(&piece.run)).collect();
+        let later = BETWEEN * duration_of_lap(solution);
+        match Closing::period(self.laps.system.description()).differs(&*self.laps.system, &states, later) {
+            Some(_) => Ok(()),
+            None => Err(NoOrbit::Rest.into()),
+        }
+    }
+
+    /// How far a motion goes at most, in units of the scales.
+    fn goes(&self, solution: &Solution) -> f64 {
         let width = 2 * self.laps.n();
         let goes = (0..width).map(|i| {
             let all = solution
@@ -171,7 +191,7 @@ impl Begun {
             let [low, high] = all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
             (high - low) / self.laps.scales[i]
         });
-        if goes.fold(0.0, f64::max) <= SHRUNK { Err(NoOrbit::Rest.into()) } else { Ok(()) }
+        goes.fold(0.0, f64::max)
     }
 
     /// The plain run of some laps from a solution, and how long a lap takes.

@@ -8,7 +8,7 @@ use crate::error::{Error, NoOrbit};
 use crate::mechanism::System;
 
 /// The golden section, the least simple fraction.
-const BETWEEN: f64 = 0.618_033_988_749_894_8;
+pub(super) const BETWEEN: f64 = 0.618_033_988_749_894_8;
 
 /// Motions that repeat, in the order of a walk along them, and where their stability changes.
 #[derive(Clone, Debug)]

@@ -326,3 +326,16 @@ fn circles_of_what_rolls_were_no_orbits() {
         assert!(found.contains("no small change grows"), "{found}");
     }
 }
+
+/// A force F cos w t with F = 0, or with w = 0 beside another one that is 0, drives nothing: there is rest alone.
+#[test]
+fn rest_without_a_force_was_a_motion_of_a_twelfth_of_its_period() {
+    let forced = "name: F\nparameters: {m: 1 kg, k: 4 N/m, c: 0.1 N*s/m, F: 1 N, b: 0 N, w: 1.7 rad/s, v: 1.7 rad/s}\ncoordinates: {x: m}\n\
+        kinetic_energy: m*x'^2/2\npotential_energy: k*x^2/2\ngeneralized_forces: {x: u - c*x'}\ninputs: {u: F*cos(w*t) + b*sin(v*t)}\n\
+        scene: {start: {x: 0}, until: 10}\n";
+    for set in ["F=0", "w=0"] {
+        let why = orbit("resting", forced, &["--set", set]).expect_err("rest");
+        assert!(why.contains("equilibrium"), "{why}");
+    }
+    orbit("driven", forced, &[]).expect("an orbit");
+}
