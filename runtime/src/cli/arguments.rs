@@ -440,7 +440,11 @@ fn scene() -> [Arg; 7] {
         value("params", "FILE", "Values of parameters, a line each: `m: 2 kg`; --set goes before"),
         many("start", "NAME=VALUE", "Another start of a coordinate, or of a speed (theta'=1)"),
         many("input", "NAME=EXPR", "Another function of time for an input"),
-        value("until", "TIME", "The time at which to end, after --state too, where else the scene lasts as long as it says"),
+        value(
+            "until",
+            "TIME",
+            "The time at which to end, after --state too, where else the scene lasts as long as it says",
+        ),
         value("tolerance", "NUMBER", "Relative tolerance, and absolute in units of each coordinate's scale"),
     ]
 }

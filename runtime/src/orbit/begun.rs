@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::closing::{By, Closing, Difference};
 use super::family::BETWEEN;
 use super::found::Orbit;
-use super::guess::{begin_at, states_of};
+use super::guess::{begin_at, sizes_of_pieces, states_of};
 use super::laps::{Condition, Laps, Point, Solution, Time, itinerary, lcm};
 use super::smallest::{self, FOLLOWS, WithPeriod};
 use super::stability::{Spectrum, beside, spectrum};
@@ -121,7 +121,8 @@ impl Begun {
         /// Each time they shrink by some ten decades, or are settled.
         const TIMES: usize = 40;
         for _ in 0..TIMES {
-            let Some(scales) = self.laps.other_scales(&solution.trial) else { break };
+            let pieces: Vec<&Run> = solution.trial.pieces.iter().map(|piece| &piece.run).collect();
+            let Some(scales) = self.laps.unless_alike(sizes_of_pieces(&pieces)) else { break };
             self.laps.scales = scales;
             let before = solution.steps;
             solution = self.laps.solve(solution.point, None)?;
@@ -133,8 +134,9 @@ impl Begun {
     /// A solution by the smallest map that closes it, in pieces short enough for its multipliers.
     pub fn smallest(&mut self, solution: Solution) -> Result<(Solution, Spectrum), Error> {
         let mut steps = solution.steps;
-        self.only_rests(&solution)?;
+        self.at_rest(&solution)?;
         let mut solution = self.in_own_scales(solution)?;
+        self.only_rests(&solution)?;
         if let Some(smaller) = self.reduce(&solution)? {
             steps += smaller.steps;
             solution = smaller;
@@ -165,9 +167,8 @@ impl Begun {
         }
     }
 
-    /// As [`Begun::at_rest`], and where what is said to drive does not, as a force F cos w t with F = 0.
+    /// Refuses rest where what is said to drive does not, as a force F cos w t with F = 0.
     fn only_rests(&self, solution: &Solution) -> Result<(), Error> {
-        self.at_rest(solution)?;
         if self.goes(solution) > SHRUNK {
             return Ok(());
         }

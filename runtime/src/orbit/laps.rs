@@ -4,7 +4,6 @@ use nalgebra::{DMatrix, DVector};
 
 use super::closing::{By, Closing};
 use super::drive::{self, Drive};
-use super::guess::sizes_of_pieces;
 use crate::error::{Error, NoOrbit};
 use crate::find::Linearised;
 use crate::mechanism::System;
@@ -161,9 +160,8 @@ impl Laps {
         Ok((period / part as f64, slope / part as f64))
     }
 
-    /// The sizes of a motion's own numbers, where these are others than those that it was found with by more than a factor.
-    pub fn other_scales(&self, trial: &Trial) -> Option<Vec<f64>> {
-        let scales = sizes_of_pieces(&trial.pieces.iter().map(|piece| &piece.run).collect::<Vec<_>>());
+    /// These scales, where they are others than those in use by more than a factor.
+    pub fn unless_alike(&self, scales: Vec<f64>) -> Option<Vec<f64>> {
         let alike = |(new, old): (&f64, &f64)| (OTHER.recip()..OTHER).contains(&(new / old));
         (!scales.iter().zip(&self.scales).all(alike)).then_some(scales)
     }

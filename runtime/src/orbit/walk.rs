@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::begun::Begun;
 use super::family::{Family, Member, OrbitChange};
+use super::guess::sizes;
 use super::laps::{Condition, Laps, Point, Solution, lcm};
 use super::stability::{Spectrum, beside, map, spectrum};
 use super::structure;
@@ -148,7 +149,11 @@ impl Walk {
         if self.largest.is_empty() {
             self.largest.clone_from(&node.scales);
         }
-        let Some(mut scales) = laps.other_scales(&node.solution.trial) else { return node };
+        let mut scales = vec![0.0_f64; laps.scales.len()];
+        for sizes in node.solution.trial.pieces.iter().map(|piece| sizes(&piece.run)) {
+            scales.iter_mut().zip(sizes).for_each(|(scale, size)| *scale = scale.max(size));
+        }
+        let Some(mut scales) = laps.unless_alike(scales) else { return node };
         for (scale, largest) in scales.iter_mut().zip(&mut self.largest) {
             *largest = largest.max(*scale);
             *scale = scale.max(LEAST * *largest);
