@@ -100,7 +100,8 @@ impl Held {
 
     /// Gives rotations the lengths that they had at first.
     pub fn keep_lengths(&self, probe: &LinearisationPoint, q: &mut [f64]) {
-        self.with(probe, &q.to_vec(), |held, _| held.keep_lengths(q, &self.like));
+        let system = probe.system.borrow();
+        ConstrainedState::at_levels(&**system, &self.rows, &self.levels).keep_lengths(q, &self.like);
     }
 
     /// c of each row in force.
