@@ -113,6 +113,7 @@ impl Begun {
     /// What is told of a solution, by the smallest map that closes it.
     pub fn finish(&mut self, solution: Solution) -> Result<Orbit, Error> {
         let (solution, found) = self.smallest(solution)?;
+        self.only_rests(&solution)?;
         self.told(solution, found)
     }
 
@@ -136,7 +137,6 @@ impl Begun {
         let mut steps = solution.steps;
         self.at_rest(&solution)?;
         let mut solution = self.in_own_scales(solution)?;
-        self.only_rests(&solution)?;
         if let Some(smaller) = self.reduce(&solution)? {
             steps += smaller.steps;
             solution = smaller;
