@@ -97,7 +97,7 @@ fn kinds() {
 #[test]
 fn what_may_depend_on_what() {
     refused("potential_energy: x'", "E213", "x'");
-    refused_beside("contacts: {wall: {gap: x', on: bob, normal: \"[1, 0]\"}}", "E213", "x'");
+    refused("contacts: {wall: {gap: x', on: bead, normal: \"[1, 0]\"}}", "E213", "x'");
     refused("potential_energy: norm(velocity(P))", "E213", "velocity(P)");
     refused("kinetic_energy: x''", "E214", "x''");
     refused("generalized_forces: {x: rate(x')}", "E214", "rate(x')");
