@@ -1,7 +1,7 @@
 //! States that may be rests of mechanisms with states of first order or with held values, and small departures from them.
 //!
 //! Sought are coordinates q, states z and, where constraints hold, multipliers λ with F(q, v, z, λ) = 0 and c(q) = 0.  A state is kept as the
-//! speed of a hidden coordinate, of which nothing depends.  Small departures are those of the coordinates y that constraints and the lengths of
+//! speed of a hidden coordinate, on which nothing depends.  Small departures are those of the coordinates y that constraints and the lengths of
 //! rotations leave independent (all q = Z y), with M_y = Zᵀ M Z and so on:
 //!
 //! x' = A x + B u,  x = (δy, δy', δz),  A = [0 1 0; −M_y⁻¹ K_y  −M_y⁻¹ C_y  −M_y⁻¹ Zᵀ ∂F/∂z; …].
