@@ -333,3 +333,10 @@ fn work_is_bounded_and_what_was_not_decided_is_said() {
     let found = trailers(14).report.freedoms.remove(0);
     assert!(!found.decided() && found.velocity == 2 && (2..=16).contains(&found.configuration), "{found:?}");
 }
+
+/// A motor's current is no freedom of what it moves.
+#[test]
+fn states_of_first_order_are_no_freedoms() {
+    let wheel = "states: {i: -i - ph', z: x}\nconstraints: {roll: x' - ph'}";
+    holds("x ph", wheel, (1, 1), &[Integral]);
+}

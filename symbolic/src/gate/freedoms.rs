@@ -88,8 +88,8 @@ fn of_phase(model: &Model, motion: &Motion, rows: &Rows, phase: usize, own: &[St
     let positions = if own.is_empty() { [drawn, Vec::new()] } else { [own, drawn] };
     // Where drawn lengths do not close, rows that depend on each other do for these lengths.
     let elsewhere = drawn_rank.unwrap_or(active.len());
-    // The length of a rotation is no freedom.
-    let free = n - model.rotations.len();
+    // The length of a rotation is no freedom, and neither is the hidden coordinate of a state of first order.
+    let free = model.mechanical() - model.rotations.len();
     let mut freedoms = Freedoms {
         configuration: free,
         velocity: free.saturating_sub(rank),
