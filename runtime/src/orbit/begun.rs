@@ -6,7 +6,7 @@ use super::closing::{By, Closing, Difference};
 use super::family::BETWEEN;
 use super::found::Orbit;
 use super::guess::{begin_at, sizes_of_pieces, states_of};
-use super::laps::{Condition, Laps, Point, Solution, Time, itinerary, lcm};
+use super::laps::{Laps, Point, Solution, Time, itinerary, lcm};
 use super::smallest::{self, FOLLOWS, WithPeriod};
 use super::stability::{Spectrum, beside, spectrum};
 use super::structure::{self, Known};
@@ -103,10 +103,10 @@ impl Begun {
     /// Lets all motions have the energy of this one, where it is conserved: of those with the same parameters there is one of each energy.
     pub fn hold_energy(&mut self, solution: &Solution, found: &Spectrum) {
         let laps = &mut self.laps;
-        if laps.condition.is_none() && laps.keeps_energy() && found.known.iter().any(|name| name == structure::ENERGY) {
+        if laps.energy.is_none() && laps.keeps_energy() && found.known.iter().any(|name| name == structure::ENERGY) {
             let side = solution.trial.pieces[0].start.clone();
             crate::vary::put(&mut *laps.system, &side);
-            laps.condition = Some(Condition::Energy(structure::energy(&*laps.system, &side).0));
+            laps.energy = Some(structure::energy(&*laps.system, &side).0);
         }
     }
 

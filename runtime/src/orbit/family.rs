@@ -129,7 +129,7 @@ impl OrbitSearch {
                 begun.laps.parameter_size = if passes_zero { size } else { 0.0 };
                 begun.hold_energy(&solution, &spectrum);
             }
-            Varied::Energy if begun.laps.keeps_energy() => begun.laps.condition = None,
+            Varied::Energy if begun.laps.keeps_energy() => begun.laps.energy = None,
             Varied::Energy => return Err(NoOrbit::NoEnergy.into()),
         }
         let mut walk = Walk { begun, varied, nullity: None, aside: 0, largest: Vec::new() };

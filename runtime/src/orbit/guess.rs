@@ -125,7 +125,8 @@ pub(super) fn most_moved(system: &dyn System, start: &[f64], number: usize) -> R
     Ok(RestingMode::find(system, start, number)?.largest().0)
 }
 
-/// An amplitude is shortened by this factor, at most so often, until its energy is no more than so many times the one that is wanted.
+/// An amplitude is shortened by this factor, at most so often (to a millionth), until its energy is no more than so many times the one that is wanted:
+/// from there Newton's steps find the rest.
 const SHORTER: f64 = 0.8;
 const SHORTENED: usize = 60;
 const NEAR_ENOUGH: f64 = 1.2;

@@ -33,13 +33,12 @@ pub(super) enum Time {
 /// Scales that differ from how far motions go by more than this factor are chosen anew.
 const OTHER: f64 = 2.0;
 
-/// What else is wanted.
+/// So far from a point along a direction of unit length, in units of the scales.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Condition {
-    /// The Jacobi integral at the start, J.
-    Energy(f64),
-    /// So far from a point along a direction of unit length, in units of the scales.
-    Away { from: Point, along: DVector<f64>, by: f64 },
+pub(super) struct Away {
+    pub from: Point,
+    pub along: DVector<f64>,
+    pub by: f64,
 }
 
 /// A motion of some laps, each of which ends in the image of its start.
@@ -57,7 +56,10 @@ pub(super) struct Laps {
     pub parameter: Option<usize>,
     /// The least size beside which changes of it are small: 0 is passed as any other value.
     pub parameter_size: f64,
-    pub condition: Option<Condition>,
+    /// The Jacobi integral that is wanted at the start, J.
+    pub energy: Option<f64>,
+    /// What a point is to be away from.
+    pub away: Option<Away>,
     /// Shifts by any amount, with the momenta along them, which are conserved: they stay those of the guess, or motions that drift ever
     /// faster would be found beside those that are looked for.
     pub momenta: Vec<(DVector<f64>, f64)>,
@@ -179,19 +181,19 @@ impl Laps {
         let width = 2 * self.n();
         let closes = pieces.len() * width;
         let kept = self.momenta.len() + 2 * self.system.description().rotations.len();
-        let size = closes + kept + usize::from(self.condition.is_some());
+        let asked = closes + kept;
+        let size = asked + usize::from(self.energy.is_some()) + usize::from(self.away.is_some());
         let (mut r, mut j) = (DVector::zeros(size), DMatrix::zeros(size, self.unknowns()));
         for k in 0..pieces.len() {
             self.close(point, (&pieces, k), lap, (&mut r, &mut j));
         }
         self.ask_kept(&pieces, closes, (&mut r, &mut j));
-        match self.condition.clone() {
-            Some(Condition::Energy(wanted)) => self.ask_energy(wanted, (point, &pieces), (&mut r, &mut j)),
-            Some(Condition::Away { from, along, by }) => {
-                r[size - 1] = along.dot(&self.difference(point, &from)) - by;
-                j.set_row(size - 1, &along.transpose());
-            }
-            None => (),
+        if let Some(wanted) = self.energy {
+            self.ask_energy((asked, wanted), (point, &pieces), (&mut r, &mut j));
+        }
+        if let Some(Away { from, along, by }) = &self.away {
+            r[size - 1] = along.dot(&self.difference(point, from)) - by;
+            j.set_row(size - 1, &along.transpose());
         }
         Ok(Trial { pieces, r, j })
     }
@@ -308,18 +310,19 @@ impl Laps {
         self.drive == Drive::None && self.system.description().structure.conservative
     }
 
+    /// That the energy at the start is the one that is wanted, in a row.
     fn ask_energy(
         &mut self,
-        wanted: f64,
+        (row, wanted): (usize, f64),
         (point, pieces): (&Point, &[Leg]),
         (r, j): (&mut DVector<f64>, &mut DMatrix<f64>),
     ) {
-        let (side, last) = (&pieces[0].start, r.len() - 1);
+        let side = &pieces[0].start;
         crate::vary::put(&mut *self.system, side);
         let (energy, mut slopes) = super::structure::energy(&*self.system, side);
         let by_parameter = self.parameter.map(|k| super::structure::energy_by_parameter(&*self.system, side, k));
         slopes.extend(by_parameter);
-        self.ask(last, energy - wanted, (&slopes, Some(point)), (r, j));
+        self.ask(row, energy - wanted, (&slopes, Some(point)), (r, j));
     }
 
     /// That momenta at the start are those of the guess, and quaternions of unit length that stay so, from a row on.

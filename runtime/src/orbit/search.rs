@@ -7,7 +7,7 @@ use super::closing::{By, Closing, Difference};
 use super::drive::Drive;
 use super::found::Orbit;
 use super::guess::{first_run, states_of};
-use super::laps::{Condition, Laps, Time};
+use super::laps::{Laps, Time};
 use super::{guess, structure};
 use crate::error::{Error, NoOrbit};
 use crate::linear::has_dependent_coordinates;
@@ -248,7 +248,7 @@ impl OrbitSearch {
             By::Part(part) => self.legs.unwrap_or((LEGS / part).max(2)),
         };
         let given = closing != Closing::period(system.description());
-        let condition = self.energy.map(|energy| Condition::Energy(energy + rest_energy));
+        let energy = self.energy.map(|energy| energy + rest_energy);
         let momenta = if acts { Vec::new() } else { momenta(&mut *system, &settings, (&closing, &run), known) };
         let mut laps = Laps {
             system,
@@ -260,7 +260,8 @@ impl OrbitSearch {
             legs,
             parameter: None,
             parameter_size: 0.0,
-            condition,
+            energy,
+            away: None,
             momenta,
             scales,
             runs: 0,

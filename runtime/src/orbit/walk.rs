@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::begun::Begun;
 use super::family::{Family, Member, OrbitChange};
 use super::guess::sizes;
-use super::laps::{Condition, Laps, Point, Solution, lcm};
+use super::laps::{Away, Laps, Point, Solution, lcm};
 use super::stability::{Spectrum, beside, map, spectrum};
 use super::structure;
 use crate::error::{Error, NoOrbit};
@@ -176,7 +176,7 @@ impl Walk {
         }
     }
 
-    /// Walks from a member towards the last of some values; before that, where it lies between the first and the last, towards the first.
+    /// Walks from a member towards the last of some values; before that, where it is between the first and the last, towards the first.
     ///
     /// # Errors
     /// The member is not found again.
@@ -379,9 +379,9 @@ impl Walk {
             let laps = &mut self.begun.laps;
             let guess = laps.moved(&point, &along, step);
             // So far away the family that is left is no solution, and the parameter, or the energy, is what it must be.
-            laps.condition = Some(Condition::Away { from: point.clone(), along: along.clone(), by: step });
+            laps.away = Some(Away { from: point.clone(), along: along.clone(), by: step });
             let found = laps.solve(guess, self.nullity.map(|count| count.saturating_sub(1)));
-            laps.condition = None;
+            laps.away = None;
             let first = self.node(found?.point, Some(&along))?;
             let passed = |value: &f64| (value - node.value) * (first.value - value) > 0.0;
             if !values.iter().any(passed) || step < NEAREST {

@@ -209,7 +209,7 @@ fn swings_that_end_at_a_discontinuity_end_the_run() {
     assert!((t - end).abs() < 1e-5, "{t} {end}");
 }
 
-/// The end of a step that is tried for years lies far below the floor on which a ball lands, and is none of its motion: hops beside it looked too low
+/// The end of a step that is tried for years is far below the floor on which a ball lands, and is none of its motion: hops beside it looked too low
 /// to be seen.
 #[test]
 fn a_ball_bounces_however_long_a_run_may_last() {
