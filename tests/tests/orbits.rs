@@ -372,6 +372,15 @@ fn a_map_has_mathieus_tongues() {
             near(number(&nearest["x"]), expected, number(&nearest["error"]));
         }
     }
+    // Columns far apart, as few as two, lose none of them.
+    let few = told(&[&file, "--here", "--map", "a=-0.5..10:2,q=1"]).unwrap();
+    let mut values: Vec<f64> =
+        few["boundaries"].as_array().unwrap().iter().map(|b| number(&b["points"][0]["x"])).collect();
+    values.sort_by(f64::total_cmp);
+    let row = &known["characteristic"].as_array().unwrap().iter().find(|row| number(&row["q"]) == 1.0).unwrap();
+    let expected = ["a0", "b1", "a1", "b2", "a2", "b3", "a3"].map(|name| number(&row[name]));
+    assert_eq!(values.len(), expected.len(), "{values:?}");
+    values.iter().zip(expected).for_each(|(value, expected)| near(*value, expected, 1e-10));
     // At q = 1, unstable from b1 to a1, stable from a1 to b2.
     let row = &found["growth"][2];
     let column = |a: f64| ((a + 0.5) / 0.35).round() as usize;

@@ -12,8 +12,16 @@ use crate::error::Error;
 use crate::events::{Around, locate};
 use crate::vary::TOLD;
 
+/// Between columns motions are looked at until a row has so many steps at least, as a family has.
+const STEPS: f64 = 20.0;
+/// And until straight pieces of what tells of boundaries are off by less than this part of its largest value on the row,
+const STRAIGHT: f64 = 0.05;
+/// with so many halvings at most.
+const HALVINGS: u32 = 6;
 /// What happens at boundaries; a motion of a map is followed by its parameters, so that it never turns back.
 const KINDS: [OrbitChange; 3] = [OrbitChange::Branch, OrbitChange::Doubling, OrbitChange::Pair];
+/// Those whose functions do not jump.
+const SEPARATE: [OrbitChange; 2] = [OrbitChange::Branch, OrbitChange::Doubling];
 /// Between three values of which the middle one is least in size, a parabola through them that does not come down to this part of the middle
 /// one reaches no zero.
 const REACHES: f64 = 0.5;
@@ -74,8 +82,8 @@ struct Row<'a> {
 
 impl OrbitSearch {
     /// The stability of the motion that is found over a grid of two parameters, with the boundaries between: on each row, where the second one
-    /// is constant, every crossing of the unit circle is refined in the first one, windows of instability narrower than a column included where
-    /// three neighbours point to one.
+    /// is constant, every crossing of the unit circle is refined in the first one, windows of instability narrower than a column included: between
+    /// columns motions are looked at until three neighbours point to each.
     ///
     /// The motion is followed from column to column and from row to row; where it is lost the map has NaN.
     ///
@@ -114,7 +122,8 @@ impl OrbitSearch {
                 logs.fold(if here.is_some() { f64::NEG_INFINITY } else { f64::NAN }, f64::max)
             };
             map.growth.extend(found.iter().map(growth));
-            let crossings = row.crossings(&found);
+            let closer = row.closer(found);
+            let crossings = row.crossings(&closer);
             if row.begun.laps.settings.interruption.is_asked() {
                 // What is left of the row is no map.
                 map.growth.truncate(rows * xs.len());
@@ -156,6 +165,53 @@ impl Row<'_> {
             found.push(here);
         }
         found
+    }
+
+    /// The same with motions between columns, as close as boundaries ask for.
+    fn closer(&mut self, columns: Vec<Option<Here>>) -> Vec<Option<Here>> {
+        let found = || columns.iter().flatten();
+        let ends =
+            found().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), here| (low.min(here.x), high.max(here.x)));
+        let step = (ends.1 - ends.0) / STEPS;
+        let mut list: Vec<Option<Here>> = Vec::with_capacity(columns.len());
+        for here in columns {
+            if let (Some(Some(last)), Some(here)) = (list.last().cloned(), here.as_ref()) {
+                let parts = ((here.x - last.x) / step).abs().ceil() as usize;
+                let between = (1..parts).map(|k| last.x + (here.x - last.x) * k as f64 / parts as f64);
+                list.extend(between.filter_map(|x| self.at(x, &last.point).ok()).map(Some));
+            }
+            list.push(here);
+        }
+        let largest = |kind: OrbitChange| {
+            let values = list.iter().flatten().map(|here| kind.of_multipliers(&here.multipliers).abs());
+            values.fold(0.0, f64::max)
+        };
+        let scales = SEPARATE.map(|kind| (kind, STRAIGHT * largest(kind)));
+        let mut closer: Vec<Option<Here>> = Vec::with_capacity(2 * list.len());
+        for here in list {
+            if let (Some(Some(last)), Some(here)) = (closer.last().cloned(), here.as_ref()) {
+                self.halve([&last, here], &scales, 0, &mut closer);
+            }
+            closer.push(here);
+        }
+        closer
+    }
+
+    /// Motions between two where straight pieces will not do.
+    fn halve(&mut self, [a, b]: [&Here; 2], scales: &[(OrbitChange, f64)], depth: u32, list: &mut Vec<Option<Here>>) {
+        if depth == HALVINGS {
+            return;
+        }
+        let Ok(middle) = self.at(0.5 * (a.x + b.x), &a.point) else { return };
+        let bends = |(kind, most): &(OrbitChange, f64)| {
+            let [a, middle, b] = [a, &middle, b].map(|here| kind.of_multipliers(&here.multipliers));
+            (middle - 0.5 * (a + b)).abs() > *most
+        };
+        if scales.iter().any(bends) {
+            self.halve([a, &middle], scales, depth + 1, list);
+            list.push(Some(middle.clone()));
+            self.halve([&middle, b], scales, depth + 1, list);
+        }
     }
 
     fn at(&mut self, x: f64, guess: &Point) -> Result<Here, Error> {

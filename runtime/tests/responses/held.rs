@@ -80,6 +80,27 @@ fn a_pendulum_with_a_rod_has_steady_states_and_a_resonance() {
     assert_eq!(number(&found["steady"]["growth"]["y"]), 0.0);
 }
 
+/// An answer that nothing makes is 0 at all frequencies, whatever rounding leaves of it: the tension's slope by what swings sideways, where the
+/// search from a slant begins; a block on two feet presses the floor the same however it is pushed along it.
+#[test]
+fn what_rounding_leaves_is_no_answer() {
+    let moved = "name: Long\nparameters: {m: 1 kg, l: 1 m, g: 9.81 m/s^2}\ncoordinates: {x: m, y: m}\ninputs: {s: 0.1 m}\n\
+        bodies: {b: {mass: m, position: \"[x, y]\"}}\ngravity: [0, -g]\nconstraints: {rod: \"norm([x, y]) - l - s\"}\n\
+        outputs: {T: -reaction(rod)}\nscene: {start: {x: 0.3}, guess: {y: -1}, until: 1}\n";
+    let found = run(moved, &["--drive", "s", "--response", "x,T"]).unwrap();
+    assert!(answer(&found, "x").iter().all(|(_, x)| x.norm() == 0.0), "{found}");
+    equals(&found, "T", 1e-12, |w| C::from(w * w));
+    let block = "name: Feet\nparameters: {m: 2 kg, g: 9.81 m/s^2, k: 50 N/m, h: 0.2 m}\ncoordinates: {x: m, y: m, th: rad}\n\
+        inputs: {u: 0 N}\nbodies: {b: {mass: m, inertia: m*h^2/6, angle: th, position: \"[x, y]\"}}\ngravity: [3 m/s^2, -g]\n\
+        points: {p1: \"position(b) + h/2*(-b.x - b.y)\", p2: \"position(b) + h/2*(b.x - b.y)\"}\n\
+        springs: {s: {stretch: x, stiffness: k, along: \"[1, 0]\", on: b}}\nforces: {f: {on: b, force: \"[u, 0]\"}}\n\
+        contacts:\n  c1: {gap: p1.y, on: b, at: p1, normal: \"[0, 1]\"}\n  c2: {gap: p2.y, on: b, at: p2, normal: \"[0, 1]\"}\n\
+        impacts: together\noutputs: {n1: reaction(c1), n2: reaction(c2)}\nscene: {start: {y: 0.1, x: 0.1}, until: 1}\n";
+    let found = run(block, &["--at", "x=0.12", "--drive", "u", "--response", "x,n1,n2"]).unwrap();
+    equals(&found, "x", 1e-10, |w| C::from(1.0 / (50.0 - 2.0 * w * w)));
+    assert!(["n1", "n2"].iter().all(|n| answer(&found, n).iter().all(|(_, x)| x.norm() == 0.0)), "{found}");
+}
+
 /// The four-bar beside its twin in one angle, hanging and upright, and the force in its pin by what the rocker and the
 /// coupler do.
 #[test]

@@ -219,3 +219,19 @@ fn curves_of_undamped_systems_are_whole() {
     assert!((one.0 * std::f64::consts::TAU / other.0 - 1.0).abs() < 1e-15 && one.1 == other.1);
     assert_eq!(hertz.charts[1].x.unit, "Hz");
 }
+
+/// At its resonance x = t sin(ωt) F/(2 m ω), so that x'' has a part that stays bounded: F/m cos ωt, without which the forces on the mass would not
+/// balance.
+#[test]
+fn accelerations_at_a_resonance_have_a_bounded_part() {
+    let text = "name: Swell\nparameters: {m: 2 kg, k: 50 N/m}\ncoordinates: {x: m}\ninputs: {u: 0 N}\n\
+        bodies: {a: {mass: m, position: \"[x, 0]\"}}\npotential_energy: k*x^2/2\nforces: {f: {on: a, force: \"[u, 0]\"}}\n\
+        outputs: {left: u - k*x - m*acceleration(a).x, late: \"acceleration(a).x + k*x/m\", rate: \"x'\"}\nscene: {until: 1}\n";
+    let found = run(text, &["--drive", "u", "--omega", "5", "--response", "left,late,rate"]).unwrap();
+    let answers = &found["steady"]["answers"];
+    let [left, late] = ["left", "late"].map(|name| [0, 1].map(|part| answers[name][part].as_f64().unwrap()));
+    assert_eq!(left, [0.0, 0.0], "{answers}");
+    assert!((late[0] - 0.5).abs() < 1e-14 && late[1].abs() < 1e-14, "{answers}");
+    assert!(answers["rate"].is_null(), "{answers}");
+    assert!(answer(&found, "left").iter().all(|(_, x)| x.norm() == 0.0));
+}

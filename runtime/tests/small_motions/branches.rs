@@ -278,3 +278,21 @@ fn constraints_with_speeds_leave_a_branch_of_departures() {
     let resting = run(sled, &["--vary", "m=1..2"]);
     assert!(limits(&resting).is_empty() && resting["locus"]["steps"][0]["growing"] == 0, "{resting}");
 }
+
+/// A threshold is told with the digits that rounding leaves: damping from below 0 to above it meets 0 and nothing near it.
+#[test]
+fn a_threshold_that_rounding_hides_has_no_false_digits() {
+    let truss = "name: Arch\nparameters: {m: 1 kg, k: 1000 N/m, b: 1 m, h: 0.3 m, c: 1 N*s/m}\ncoordinates: {y: m}\n\
+        define: {l0: sqrt(b^2 + h^2)}\nbodies: {p: {mass: m, position: \"[0, y]\"}}\npoints: {A: \"[-b, 0]\", B: \"[b, 0]\"}\n\
+        springs: {s1: {between: [A, p], stiffness: k, rest: l0}, s2: {between: [B, p], stiffness: k, rest: l0}}\n\
+        dampers: {d1: {between: [A, p], damping: c}}\nequilibrium: {y: h}\nscene: {start: {y: h}, until: 1}\n";
+    let told = words(truss, &["--vary", "c=-1..1"]).unwrap();
+    assert!(told.contains("c = 0 N*s/m: growth ends"), "{told}");
+    let found = run(truss, &["--vary", "c=-1..1"]);
+    let limit = &found["locus"]["limits"][0];
+    let [value, hidden] = ["value", "hidden"].map(|key| limit[key].as_f64().unwrap());
+    assert!(value.abs() <= hidden && hidden < 1e-10, "{limit}");
+    // One that is well apart keeps its ten digits.
+    let told = words(INVERTED, &["--set", "k=30", "--vary", "k=1..100"]).unwrap();
+    assert!(told.contains("k = 39.24 N/m: growth ends"), "{told}");
+}

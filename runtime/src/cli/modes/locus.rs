@@ -99,7 +99,7 @@ impl Locus {
         let changes = self.branch.changes.iter().map(|change| {
             format!(
                 "the branch ends at {} ({}); beyond it another one is followed, from {}",
-                self.exactly(change.value),
+                self.exactly(change.value, 0.0),
                 state(&change.from),
                 state(&change.to)
             )
@@ -127,6 +127,7 @@ impl Locus {
         let limit = |threshold: &Threshold| {
             object([
                 ("value", number(threshold.value)),
+                ("hidden", number(threshold.hidden)),
                 ("kind", json!(threshold.kind.word())),
                 ("omega", number(threshold.omega)),
                 ("growing", json!(threshold.growing)),
@@ -178,13 +179,14 @@ impl Locus {
         }
         for threshold in thresholds {
             let behind = if threshold.folded { ", behind a fold" } else { "" };
-            writeln!(out, "  {}: {}{behind}", self.exactly(threshold.value), self.told(threshold))?;
+            writeln!(out, "  {}: {}{behind}", self.exactly(threshold.value, threshold.hidden), self.told(threshold))?;
         }
         if self.branch.closed {
             writeln!(out, "  the branch is closed: it returns to where it began")?;
         }
-        let met =
-            |critical: &CriticalSpeed| format!("{}: order {}", self.exactly(critical.value), short(critical.order));
+        let met = |critical: &CriticalSpeed| {
+            format!("{}: order {}", self.exactly(critical.value, 0.0), short(critical.order))
+        };
         if let Some(critical) = &self.critical {
             writeln!(out, "critical speeds, where a frequency is a multiple (order) of {}:", self.parameter)?;
             for line in counted(critical.iter().map(met)) {
@@ -211,11 +213,16 @@ impl Locus {
         value.abs() <= 1e-12 * (self.range.1 - self.range.0).abs()
     }
 
-    /// With ten digits, as thresholds deserve.
-    fn exactly(&self, value: f64) -> String {
-        let text = match self.is_zero(value) {
+    /// With ten digits, as thresholds deserve, or as many as an uncertainty leaves.
+    fn exactly(&self, value: f64, uncertainty: f64) -> String {
+        const DIGITS: f64 = 10.0;
+        let digits = (-(uncertainty / value.abs()).log10()).floor().clamp(1.0, DIGITS) as usize;
+        let text = match self.is_zero(value) || value.abs() <= uncertainty {
             true => "0".to_owned(),
-            false => format!("{value:.9e}").parse::<f64>().map_or_else(|_| short(value), |rounded| rounded.to_string()),
+            false => {
+                let rounded = format!("{value:.*e}", digits - 1).parse::<f64>();
+                rounded.map_or_else(|_| short(value), |rounded| rounded.to_string())
+            }
         };
         format!("{} = {text} {}", self.parameter, self.unit()).trim_end().to_owned()
     }

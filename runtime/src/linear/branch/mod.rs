@@ -91,6 +91,8 @@ impl ThresholdKind {
 pub struct Threshold {
     /// The value of the parameter or speed, SI.
     pub value: f64,
+    /// Where a motion begins or ceases to grow: how far on rounding hides it, in the units of `value`; else 0.
+    pub hidden: f64,
     /// What happens.
     pub kind: ThresholdKind,
     /// How many modes grow below the value and above it; at a fold, before it and behind it.

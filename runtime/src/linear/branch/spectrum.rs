@@ -142,6 +142,19 @@ impl Spectrum {
         if self.squares { self.growing(measure) } else { self.unstable(measure) }
     }
 
+    /// Whether no value counts as rounding by a measure.
+    pub fn is_exact(&self, measure: Measure) -> bool {
+        match measure {
+            Measure::Fine => self.squares || self.of_departures,
+            Measure::Coarse => self.floor == 0.0,
+        }
+    }
+
+    /// [`Spectrum::counted`] of what is more than twice what rounding makes.
+    pub fn grown_clearly(&self, measure: Measure) -> usize {
+        Spectrum { floor: 2.0 * self.floor, ..self.clone() }.counted(measure)
+    }
+
     /// Whether the fine measure locates a change: with departures, where no eigenvalue keeps to the axis, so that signs of real
     /// parts are more than rounding.
     pub fn locates(&self) -> bool {

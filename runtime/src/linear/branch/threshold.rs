@@ -12,6 +12,8 @@ use crate::linear::LinearError;
 
 /// Halvings of the distance of two states of the walk.
 const DEEPEST: u32 = 40;
+/// How near to a change of stability it is looked whether rounding still hides it, in parts of the interval that it was bisected in.
+const CLOSEST: f64 = f64::EPSILON;
 /// Beyond so many halvings a single change of stability is bisected.
 const SHALLOW: u32 = 10;
 
@@ -185,6 +187,7 @@ impl Threshold {
     fn at(value: f64, kind: ThresholdKind, growing: [usize; 2]) -> Threshold {
         Threshold {
             value,
+            hidden: 0.0,
             kind,
             growing,
             omega: 0.0,
@@ -286,10 +289,29 @@ impl Search<'_> {
                 break;
             }
         }
-        found.push(self.threshold(&low, &high, measure));
+        let [growing, away] = if counted(&low) > counted(&high) { [&low, a] } else { [&high, b] };
+        let width = (high.state.value - low.state.value).abs();
+        let hidden = width.max(self.hidden(growing, away, measure));
+        found.push(Threshold { hidden, ..self.threshold(&low, &high, measure) });
         if counted(&high) != counted(b) {
             self.between([None, None], [&high, b], SHALLOW, kept, found);
         }
+    }
+
+    /// How far from a change of stability, on the side where more grows, rounding may still be what grows.
+    fn hidden(&self, growing: &Sample, away: &Sample, measure: Measure) -> f64 {
+        let (count, whole) = (growing.spectrum.counted(measure), (away.state.value - growing.state.value).abs());
+        if growing.spectrum.is_exact(measure) || count == growing.spectrum.grown_clearly(measure) {
+            return 0.0;
+        }
+        let clear = |part: &f64| {
+            self.left.set(self.left.get().checked_sub(1)?);
+            let state = self.continuation.between(&growing.state, &away.state, *part)?;
+            let sample = self.sample(state, growing.sheet)?;
+            (sample.spectrum.grown_clearly(measure) >= count).then_some(*part)
+        };
+        let parts = std::iter::successors(Some(CLOSEST), |part| Some(4.0 * part)).take_while(|part| *part < 1.0);
+        whole * parts.into_iter().find_map(|part| clear(&part)).unwrap_or(1.0)
     }
 
     /// Between two states of which stability differs, by this measure.

@@ -33,7 +33,7 @@ pub(in crate::linear) struct Whole {
     stiffness: DMatrix<f64>,
     /// How fast the terms of F grow with q and q'.
     terms: [DMatrix<f64>; 2],
-    /// The first independent coordinate with the unit of each.
+    /// The first coordinate with the unit of each.
     alike: Vec<usize>,
     /// B, n × 3m.
     input: DMatrix<f64>,
@@ -67,7 +67,7 @@ impl Whole {
             damping,
             stiffness,
             terms: held.slopes_of_terms(state),
-            alike: independent.iter().map(|i| units.iter().position(|unit| *unit == units[*i]).unwrap_or(*i)).collect(),
+            alike: units.iter().map(|unit| units.iter().position(|other| other == unit).unwrap_or(0)).collect(),
             input: -input_matrix(held.system, state.at()),
             jacobian,
             motions,
@@ -162,7 +162,7 @@ impl Whole {
         let cleaned = |matrix: &DMatrix<f64>, terms: &DMatrix<f64>| {
             let largest = size.transpose() * (terms + matrix.abs()) * &size;
             let mut reduced = self.reduced(matrix);
-            let kind = |(i, j, _): &(u32, u32, f64)| [i, j].map(|i| self.alike[*i as usize]);
+            let kind = |(i, j, _): &(u32, u32, f64)| [i, j].map(|i| self.alike[self.independent[*i as usize]]);
             let mut most: BTreeMap<[usize; 2], f64> = BTreeMap::new();
             for entry in &reduced.entries {
                 let most = most.entry(kind(entry)).or_default();
@@ -193,9 +193,26 @@ impl Whole {
         pushed
     }
 
-    /// What inputs do to the independent coordinates.
+    /// The terms of what inputs push, by size.
+    fn pushed_terms(&self) -> DMatrix<f64> {
+        let [by_place, by_speed] = &self.terms;
+        let (mut pushed, carried) = (self.input.abs(), self.carried.abs());
+        let orders = [self.stiffness.abs() + by_place, self.damping.abs() + by_speed, self.mass.abs()];
+        for (order, matrix) in orders.iter().enumerate() {
+            let back = matrix * &carried;
+            for (k, column) in back.column_iter().enumerate() {
+                let mut place = pushed.column_mut(3 * k + order);
+                place += column;
+            }
+        }
+        pushed
+    }
+
+    /// What inputs do to the independent coordinates, without what is rounding of the terms that it is the difference of.
     pub fn input(&self) -> SparseMatrix {
-        SparseMatrix::from_dense(&(self.motions.transpose() * self.pushed()))
+        let (found, terms) =
+            (self.motions.transpose() * self.pushed(), self.motions.abs().transpose() * self.pushed_terms());
+        SparseMatrix::from_dense(&without_cancelled(found, &terms))
     }
 
     /// Zᵀ: what generalized forces do to them.
@@ -328,10 +345,14 @@ impl Whole {
         if let Some(row) = not_unique(by_multipliers, &inverse, &effects) {
             return Err(LinearError::ReactionNotUnique { answer: seen.names[row].clone() });
         }
-        let force = -(by_multipliers * inverse);
-        let place = &seen.place - &force * &self.stiffness;
-        let rate = &seen.rate - &force * &self.damping;
-        let acceleration = &seen.acceleration - &force * &self.mass;
+        let force = self.without_rounding(-(by_multipliers * inverse));
+        let [by_place, by_speed] = &self.terms;
+        let slopes = |seen: &DMatrix<f64>, matrix: &DMatrix<f64>, terms: &DMatrix<f64>| {
+            without_cancelled(seen - &force * matrix, &(seen.abs() + force.abs() * (matrix.abs() + terms)))
+        };
+        let place = slopes(&seen.place, &self.stiffness, by_place);
+        let rate = slopes(&seen.rate, &self.damping, by_speed);
+        let acceleration = slopes(&seen.acceleration, &self.mass, &self.mass.abs());
         let mut input = &seen.input + &force * &self.input;
         for (order, slopes) in [&place, &rate, &acceleration].into_iter().enumerate() {
             let moved = slopes * &self.carried;
@@ -340,13 +361,26 @@ impl Whole {
                 place += column;
             }
         }
-        Ok(Observed {
-            place: place * &self.motions,
-            rate: rate * &self.motions,
-            acceleration: acceleration * &self.motions,
-            input,
-            force,
-            ..seen
-        })
+        let moved =
+            |slopes: DMatrix<f64>| without_cancelled(&slopes * &self.motions, &(slopes.abs() * self.motions.abs()));
+        Ok(Observed { place: moved(place), rate: moved(rate), acceleration: moved(acceleration), input, force, ..seen })
     }
+
+    /// Slopes of answers by forces without those that are rounding of rounding beside those on coordinates of the same unit.
+    fn without_rounding(&self, mut force: DMatrix<f64>) -> DMatrix<f64> {
+        for mut row in force.row_iter_mut() {
+            let mut largest = vec![0.0_f64; self.alike.len()];
+            self.alike.iter().zip(row.iter()).for_each(|(kind, x)| largest[*kind] = largest[*kind].max(x.abs()));
+            let alike = self.alike.iter().zip(row.iter_mut());
+            alike.filter(|(kind, x)| x.abs() <= SECOND_ROUNDING * largest[**kind]).for_each(|(_, x)| *x = 0.0);
+        }
+        force
+    }
+}
+
+/// A matrix without elements that are rounding of the terms that they are sums of.
+fn without_cancelled(mut matrix: DMatrix<f64>, terms: &DMatrix<f64>) -> DMatrix<f64> {
+    let both = matrix.iter_mut().zip(terms.iter());
+    both.filter(|(x, terms)| x.abs() <= CANCELLED * **terms).for_each(|(x, _)| *x = 0.0);
+    matrix
 }

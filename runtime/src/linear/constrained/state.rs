@@ -379,17 +379,19 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
     }
 
     /// A state that a search from another place found, with coordinates at 0 that are nothing beside those with their unit,
-    /// beside what they were, or in forces beside those at that place, if it stays so.
+    /// beside what they were, or in forces and constraints beside those at that place, if it stays so.
     pub fn settled(&self, state: State, from: &[f64]) -> State {
         let sizes = natural_sizes(&self.units(), &state.q);
         let before = self.terms(&self.state(from, &state.v));
         let forces = before.forces + before.by_state;
-        let slopes = self.slopes(&state);
+        let (slopes, jacobian) = (self.slopes(&state), self.jacobian(&state));
         let mut tried = state.clone();
         for (i, q) in tried.q.iter_mut().enumerate() {
             let slope = slopes.view((0, i), (self.n, 1)).abs();
+            let is_rounding = |(x, terms): (&f64, &f64)| (x * *q).abs() <= ROUNDINGS * f64::EPSILON * terms;
             let unnoticed = slope.amax() > 0.0
-                && slope.iter().zip(&forces).all(|(x, force)| x * q.abs() <= ROUNDINGS * f64::EPSILON * force);
+                && slope.iter().zip(&forces).all(is_rounding)
+                && jacobian.column(i).iter().zip(&before.places).all(is_rounding);
             if unnoticed || q.abs() <= (ROUNDINGS * f64::EPSILON * sizes[i]).max(GONE * from[i].abs()) {
                 *q = 0.0;
             }

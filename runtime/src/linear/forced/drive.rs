@@ -2,11 +2,10 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use nalgebra::{Complex, DVector};
+use nalgebra::{Complex, DMatrix, DVector};
 
 use super::Observed;
 use super::harmonic::REACHED;
-use super::response::ROUNDING;
 use crate::linear::modes::Spectrum;
 use crate::linear::{LinearError, Linearised, Reduction};
 
@@ -99,18 +98,16 @@ impl Steady {
     /// [`LinearError::ReactionToForce`] for reactions to generalized forces.
     pub fn answers(&self, drive: &Drive, observed: &Observed) -> Result<Vec<Option<Complex<f64>>>, LinearError> {
         observed.admits(drive)?;
-        let largest = |x: &[Complex<f64>]| x.iter().fold(0.0_f64, |most, x| most.max(x.norm()));
-        let mut found = observed.of(&self.total, drive, self.omega);
-        if drive.parts.iter().all(|(source, _)| matches!(source, Source::Force(_))) {
-            // What is no more than rounding of its terms.
-            let most = largest(&self.total);
-            let vanishes = |row: usize, x: &Complex<f64>| x.norm() <= ROUNDING * most * observed.reach(row, self.omega);
-            let rows = found.iter_mut().enumerate().filter(|(row, x)| vanishes(*row, x));
-            rows.for_each(|(_, x)| *x = Complex::ZERO);
-        }
+        let mut found = observed.without_rounding(&self.total, drive, self.omega);
         let Some(growth) = &self.growth else { return Ok(found.into_iter().map(Some).collect()) };
+        // With x = (X + G t) e^(iΩt), x' = (iΩ x + G e^(iΩt)) and x'' = (−Ω² x + 2iΩ G e^(iΩt)).
+        let growth_vector = DVector::from_column_slice(growth);
+        let complex = |slopes: &DMatrix<f64>| slopes.map(Complex::from);
+        let beside = (complex(&observed.rate) + complex(&observed.acceleration) * Complex::new(0.0, 2.0 * self.omega))
+            * growth_vector;
+        found.iter_mut().zip(beside.iter()).for_each(|(x, beside)| *x += *beside);
         let grows = observed.of(growth, &Drive::default(), self.omega);
-        let most = largest(growth);
+        let most = growth.iter().fold(0.0_f64, |most, x| most.max(x.norm()));
         let bounded =
             |(row, grows): (usize, &Complex<f64>)| grows.norm() <= REACHED * most * observed.reach(row, self.omega);
         Ok(found.iter().enumerate().zip(&grows).map(|((row, x), g)| bounded((row, g)).then_some(*x)).collect())

@@ -2,6 +2,7 @@
 
 use nalgebra::{Complex, DMatrix, RowDVector};
 
+use super::response::ROUNDING;
 use super::{Drive, Source};
 use crate::linear::equilibrium::LinearisationPoint;
 use crate::linear::{LinearError, Linearised};
@@ -158,11 +159,33 @@ impl Observed {
 
     /// The largest that an amplitude of 1 of any coordinate can make of an answer.
     pub(super) fn reach(&self, row: usize, omega: f64) -> f64 {
-        let of = |i: usize| {
-            let slopes = [self.place[(row, i)], self.rate[(row, i)], self.acceleration[(row, i)]];
-            slopes[0].abs() + omega * slopes[1].abs() + omega * omega * slopes[2].abs()
-        };
-        (0..self.place.ncols()).map(of).fold(0.0, f64::max)
+        (0..self.place.ncols()).map(|i| self.slope_size(row, i, omega)).fold(0.0, f64::max)
+    }
+
+    /// |∂y/∂q| + Ω |∂y/∂q'| + Ω² |∂y/∂q''| of an answer by a coordinate.
+    fn slope_size(&self, row: usize, i: usize, omega: f64) -> f64 {
+        let slopes = [&self.place, &self.rate, &self.acceleration].map(|slopes| slopes[(row, i)].abs());
+        slopes[0] + omega * slopes[1] + omega * omega * slopes[2]
+    }
+
+    /// [`Observed::of`] with 0 in the place of what is no more than rounding of its terms.
+    pub(super) fn without_rounding(&self, x: &[Complex<f64>], drive: &Drive, omega: f64) -> Vec<Complex<f64>> {
+        let mut found = self.of(x, drive, omega);
+        for (row, y) in found.iter_mut().enumerate() {
+            let put_in = |(source, amplitude): &(Source, Complex<f64>)| match source {
+                Source::Input(k) => {
+                    let input = |order: usize| self.input[(row, 3 * k + order)].abs();
+                    (input(0) + omega * input(1) + omega * omega * input(2)) * amplitude.norm()
+                }
+                Source::Force(k) => self.force[(row, *k)].abs() * amplitude.norm(),
+            };
+            let moved = x.iter().enumerate().map(|(i, x)| self.slope_size(row, i, omega) * x.norm());
+            let terms = moved.chain(drive.parts.iter().map(put_in)).sum::<f64>();
+            if y.norm() <= ROUNDING * terms {
+                *y = Complex::ZERO;
+            }
+        }
+        found
     }
 
     /// Y = (`place` + iΩ `rate` − Ω² `acceleration`) X + `input` (U, iΩ U, −Ω² U) + `force` F.
