@@ -7,7 +7,8 @@ use nalgebra::{DMatrix, DVector};
 use crate::cause::Cause;
 use crate::matrix::{rank, solve_least, svd};
 use crate::mechanism::dense::{
-    SECOND_ROUNDING, constraint_matrix, constraint_triples, mass_matrix, sizes_alike, widest,
+    ROUNDING, SECOND_ROUNDING, constraint_matrix, constraint_rate_jacobian, constraint_triples, mass_matrix,
+    sizes_alike, widest,
 };
 use crate::mechanism::{At, System, rows_in_force};
 
@@ -320,10 +321,14 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
             shares.sum::<f64>().sqrt()
         };
         // And what is at rest but for rounding moves in a second by less than rounding of the rounding of its place.
-        let nothing = j.abs() * self.sizes(y).rows(0, n) * SECOND_ROUNDING;
+        let sizes = self.sizes(y).rows(0, n).into_owned();
+        let nothing = j.abs() * &sizes * SECOND_ROUNDING;
+        // Nor are rates of what moves a constraint known better than from where, as where they turn back.
+        let placed =
+            constraint_rate_jacobian(self.system, At::packed(self.t, y, n), &self.rows).abs() * sizes * ROUNDING;
         for (k, row) in self.rows.iter().enumerate() {
             let residual = triples[*row][1];
-            let negligible = (MISSED * terms[k]).max(ROUNDED * quick * eased(k)).max(nothing[k]);
+            let negligible = (MISSED * terms[k]).max(ROUNDED * quick * eased(k)).max(nothing[k]).max(placed[k]);
             if residual.abs() > negligible || residual.is_nan() {
                 return Err(Cause::StartMissesConstraint { constraint: self.name(*row), residual }.into());
             }

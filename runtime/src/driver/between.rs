@@ -82,6 +82,10 @@ impl Integration {
             }
             self.dense(system, step)?;
             if let StepPolicy::Fixed(_) = self.policy {
+                if !has_no_feature && self.cut(system, step, locator).is_some() && self.passes_over(system) {
+                    self.work.retries += 1;
+                    continue;
+                }
                 self.meets(system, step, locator)?;
                 return Ok((step, true));
             }
@@ -99,6 +103,15 @@ impl Integration {
             retries += 1;
             self.work.retries += 1;
         }
+    }
+
+    /// Lets the next fixed step be half as long, since this one would pass over a feature; false where it was given: that is told.
+    pub(super) fn passes_over(&mut self, system: &dyn System) -> bool {
+        let halved = self.halve_found_step(system);
+        if !halved {
+            self.passed_over.get_or_insert(self.clock.now());
+        }
+        halved
     }
 
     /// How long a step is to be instead, s, that jumps over a feature; what times cannot resolve cuts none.

@@ -35,6 +35,7 @@ use jump::JumpDetector;
 use noise::StagnatingError;
 use phase::{EventCascade, Impacts};
 use start::Starting;
+use trial::FoundStep;
 
 use crate::cause::Cause;
 use crate::constrain::Projection;
@@ -149,6 +150,10 @@ pub(crate) struct Integration {
     cuts: u32,
     /// Whether the fixed step is no more than the longest: a shorter one is as exact, and breaks no structure.
     any_step: bool,
+    /// How the fixed step was found, if it was.
+    found: Option<FoundStep>,
+    /// Where a step that was given passed over what happens within it, s.
+    passed_over: Option<f64>,
 }
 
 impl Integration {
@@ -194,6 +199,8 @@ impl Integration {
             rejected_step: 0.0,
             cuts: 0,
             any_step: false,
+            found: None,
+            passed_over: None,
             defect: Defect::new(y.len()),
             until: t,
             smooth_until: t,
@@ -502,6 +509,7 @@ impl Integration {
             let met = ends_that_meet(system, At::packed(now, self.stepper.start().y, system.len()));
             met.map_or(cause, |load| Cause::EndsMeet { load, t: now }.into())
         })?;
+        self.find_step_again(system);
         self.sleep(system);
         Ok(())
     }
@@ -538,17 +546,18 @@ impl Integration {
         let mut stagnating = StagnatingError::default();
         loop {
             let mut step = self.plan(stop);
+            let met = locator.as_mut().map_or(step.h, |locator| locator.ahead(system, now, step.h));
+            let mut h = most;
             if let StepPolicy::Adaptive { .. } = self.policy {
-                let met = locator.as_mut().map_or(step.h, |locator| locator.ahead(system, now, step.h));
                 if met < step.h {
                     self.jumps.restart();
                 }
-                let h = met.min(most);
-                if h < step.h {
-                    step = Step { h, next: self.clock.after(h), lands: false };
-                }
-            } else if most < step.h {
-                step = Step { h: most, next: self.clock.after(most), lands: false };
+                h = met.min(most);
+            } else if met < step.h.min(most) && self.passes_over(system) {
+                continue;
+            }
+            if h < step.h {
+                step = Step { h, next: self.clock.after(h), lands: false };
             }
             let Step { h, next, lands } = step;
             if next <= now {
@@ -666,7 +675,9 @@ impl Integration {
 
     /// What is to be said of the motion as a whole.
     pub fn warnings(&self, system: &dyn System) -> Vec<Warning> {
-        let StepPolicy::Adaptive { tolerance, .. } = &self.policy else { return Vec::new() };
+        let StepPolicy::Adaptive { tolerance, .. } = &self.policy else {
+            return self.passed_over.map(|t| Warning::PassedOver { t }).into_iter().collect();
+        };
         let limited = |(i, to)| Warning::RoundingLimits { coordinate: system.description().coordinate_name(i), to };
         tolerance.limited().map(limited).collect()
     }

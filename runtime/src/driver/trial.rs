@@ -1,5 +1,6 @@
 //! A fixed step that suits a tolerance, found by trial steps over the start.
 
+use super::between::Defect;
 use super::noise::{StagnatingError, by_terms, note_start_up_errors};
 use super::{Integration, StepPolicy};
 use crate::constrain::Projection;
@@ -18,14 +19,25 @@ const ENOUGH: f64 = 0.5;
 /// so that the motion is resolved.
 const REMAINS: f64 = 0.5;
 const RESOLVED: f64 = 1e-3;
+/// A step is halved to no fewer roundings of the time.
+const RESOLVED_TIME: f64 = 64.0;
+
+/// How a fixed step was found.
+pub(super) struct FoundStep {
+    method: Method,
+    tolerance: Tolerance,
+    /// Whether one step was good for all of the way: the motion had told nothing of what is to come.
+    whole: bool,
+}
 
 impl Integration {
     /// Takes the longest step whose errors over the start of the motion come to no more than the tolerance, and returns it.
     ///
     /// The error of a step h is what it differs by from two of h/2, in units of the tolerance; its root mean square over
     /// states of the start, times the number of steps that the start takes, is to be 1.  So errors are proportional to the
-    /// tolerance.  What happens only later (an encounter, a stiffer spring) the step does not know.  Where rounding does not let errors be so
-    /// small, the step is the one below which they do not fall.
+    /// tolerance.  What happens only later (an encounter, a stiffer spring) the step does not know; where the start tells nothing, since one step is
+    /// good for all of the way, it is found anew where the equations change.  Where rounding does not let errors be so small, the step is the one
+    /// below which they do not fall.
     pub fn find_step(&mut self, system: &dyn System, method: Method, tolerance: &Tolerance, longest: f64) -> f64 {
         let (from, left) = (self.clock.now(), longest.min(self.until - self.clock.now()));
         self.any_step = method == Method::Exact;
@@ -43,6 +55,7 @@ impl Integration {
             // Equal parts of the way, since each length has its matrices.
             return self.keep_step(resolved.map_or(left, |resolved| left / (left / resolved).ceil().max(1.0)));
         }
+        let given = tolerance;
         let mut tolerance = tolerance.clone();
         let states = scout(system, self.projects, (from, self.until), self.stepper.start().y, &mut tolerance);
         let seen = states.last().map_or(left, |(t, _)| t - from);
@@ -59,7 +72,8 @@ impl Integration {
             let error = of_step * (seen / h).max(1.0);
             let remains = h <= 0.5 * before.0 && of_step >= REMAINS * before.1;
             if error > 1.0 && remains && of_step * tolerance.relative < RESOLVED {
-                return self.keep_step(before.0);
+                good = before.0;
+                break;
             }
             before = (h, of_step);
             if error <= 1.0 {
@@ -79,7 +93,43 @@ impl Integration {
                 break;
             }
         }
-        self.keep_step(if good > 0.0 { good } else { h })
+        let h = if good > 0.0 { good } else { h };
+        self.found = Some(FoundStep { method, tolerance: given.clone(), whole: h >= left });
+        self.keep_step(h)
+    }
+
+    /// Finds the step anew where the motion had told nothing of what is to come; none is longer than before.
+    pub(super) fn find_step_again(&mut self, system: &dyn System) {
+        let StepPolicy::Fixed(longest) = self.policy else { return };
+        if self.clock.now() >= self.until {
+            return;
+        }
+        if let Some(FoundStep { method, tolerance, .. }) = self.found.take_if(|found| found.whole) {
+            self.find_step(system, method, &tolerance, longest);
+        }
+    }
+
+    /// Halves the step that was found, within which something is passed over, until one from the present state is no lie by the measure of
+    /// [`Defect`]; false where it was given, or times tell no shorter one apart.
+    pub(super) fn halve_found_step(&mut self, system: &dyn System) -> bool {
+        let (StepPolicy::Fixed(whole), Some(found)) = (&self.policy, &self.found) else { return false };
+        let (now, y) = (self.clock.now(), self.stepper.start().y);
+        let mut trial = TrialSteps::new(found.method, system.len());
+        let resolved = |h: &f64| *h > RESOLVED_TIME * f64::EPSILON * now.abs() && *h > f64::MIN_POSITIVE / f64::EPSILON;
+        let halves = std::iter::successors(Some(0.5 * whole), |h| Some(0.5 * h)).take_while(resolved);
+        let mut suits = |h: &f64| trial.error(system, now, y, *h, &found.tolerance) <= Defect::MOST;
+        let Some(h) = halves.into_iter().find(|h| suits(h)) else { return false };
+        self.clock.set(now);
+        self.keep_step(h);
+        true
+    }
+
+    /// The step that was found and is taken, s.
+    pub fn found_step(&self) -> Option<f64> {
+        match (&self.policy, &self.found) {
+            (StepPolicy::Fixed(h), Some(_)) => Some(*h),
+            _ => None,
+        }
     }
 
     fn keep_step(&mut self, h: f64) -> f64 {

@@ -340,7 +340,8 @@ impl Sampler {
             self.evaluate(system, moved, y);
             sum += (self.value(function) - value).abs();
         }
-        sum
+        // Bodies that touch far from where places are measured from have a gap that is the difference of these places.
+        sum + self.terms_of_gap(system, function, (t, y)).map_or(0.0, |(terms, _)| ROUNDINGS * terms)
     }
 
     /// The accelerations of the last state that was evaluated with its own.

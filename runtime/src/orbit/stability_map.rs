@@ -78,6 +78,8 @@ struct Here {
 struct Row<'a> {
     begun: &'a mut Begun,
     across: usize,
+    /// How far apart two members of a family across would be.
+    step: f64,
 }
 
 impl OrbitSearch {
@@ -112,7 +114,7 @@ impl OrbitSearch {
         let mut open: Vec<usize> = Vec::new();
         for (rows, y) in ys.iter().enumerate() {
             begun.laps.system.set_parameter(places[1], *y);
-            let mut row = Row { begun: &mut begun, across: places[0] };
+            let mut row = Row { begun: &mut begun, across: places[0], step: extent(xs) / STEPS };
             let found = row.fill(&first, xs);
             if let Some(Some(here)) = found.first() {
                 first.clone_from(&here.point);
@@ -146,6 +148,12 @@ fn ends(values: &[f64]) -> impl Iterator<Item = f64> {
     sampled(&ends).collect::<Vec<_>>().into_iter()
 }
 
+/// How far some values reach.
+fn extent(values: &[f64]) -> f64 {
+    let ends = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
+    (ends.1 - ends.0).max(0.0)
+}
+
 fn parameter_index(system: &dyn crate::mechanism::System, name: &str) -> Result<usize, Error> {
     let parameters = &system.description().parameters;
     let found = parameters.iter().position(|parameter| parameter.name == name);
@@ -169,14 +177,10 @@ impl Row<'_> {
 
     /// The same with motions between columns, as close as boundaries ask for.
     fn closer(&mut self, columns: Vec<Option<Here>>) -> Vec<Option<Here>> {
-        let found = || columns.iter().flatten();
-        let ends =
-            found().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), here| (low.min(here.x), high.max(here.x)));
-        let step = (ends.1 - ends.0) / STEPS;
         let mut list: Vec<Option<Here>> = Vec::with_capacity(columns.len());
         for here in columns {
             if let (Some(Some(last)), Some(here)) = (list.last().cloned(), here.as_ref()) {
-                let parts = ((here.x - last.x) / step).abs().ceil() as usize;
+                let parts = ((here.x - last.x) / self.step).abs().ceil() as usize;
                 let between = (1..parts).map(|k| last.x + (here.x - last.x) * k as f64 / parts as f64);
                 list.extend(between.filter_map(|x| self.at(x, &last.point).ok()).map(Some));
             }
@@ -303,7 +307,7 @@ impl Row<'_> {
             let finer = self.finer(&found).map_or(f64::NAN, |multipliers| kind.of_multipliers(&multipliers));
             // In a narrow window the function is a parabola: its chord on the inner side is half as steep as its end.
             let slope = |other: &Here| ((value(other) - here) / (other.x - x)).abs();
-            let located = (SAME * (b.x - a.x).abs()).max(4.0 * f64::EPSILON * x.abs());
+            let located = (SAME * self.step).max(4.0 * f64::EPSILON * x.abs());
             (TOLD * ((finer - here).abs() + here.abs()) / slope(a).min(slope(b))).max(located)
         });
         (kind, x, error)

@@ -305,7 +305,8 @@ fn differences(run: &Run, other: &Run, (ranges, straddles): (&[f64], &[bool])) -
         let own = row_of(run, row);
         let theirs = if row < shared {
             row_of(other, row)
-        } else if row + 1 == run.len() && ends_alike {
+        } else if ends_alike && (row + 1 == run.len() || other.times.last().is_some_and(|end| run.times[row] >= *end)) {
+            // An event that ends both may be just behind a reported time in one, and just before it in the other.
             row_of(other, other.len() - 1)
         } else {
             vec![f64::INFINITY; columns]

@@ -458,6 +458,11 @@ impl Recorder {
         self.run.swept = swept;
     }
 
+    /// Takes note of the step that was found and taken, s.
+    pub fn took(&mut self, step: Option<f64>) {
+        self.run.step = step.or(self.run.step);
+    }
+
     /// A state with this run's names.
     pub fn state(&self, t: f64, y: &[f64], outputs: Vec<f64>) -> State {
         let n = self.n;

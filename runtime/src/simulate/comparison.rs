@@ -105,7 +105,8 @@ pub(crate) fn estimate_global_error(
     }
     digits.frequency_error(run, detuning(system, run));
     widen_flat_events(system, run, &mut digits);
-    if leaves_to_either_side(run) {
+    let passes_over = run.warnings.iter().any(|warning| matches!(warning, Warning::PassedOver { .. }));
+    if passes_over || leaves_to_either_side(run) {
         digits.lose(run);
     }
     if other.phases.last() == run.phases.last() {
@@ -119,7 +120,7 @@ pub(crate) fn estimate_global_error(
     if here != there && !accumulates {
         run.warnings.push(Warning::EventsDiffer { here, there });
     }
-    if let Some((t, column)) = digits.lost {
+    if let Some((t, column)) = digits.lost.filter(|_| !passes_over) {
         let why = reason(system, settings, run, (t, column), &mut goes_on);
         let column = run.column_names().swap_remove(column);
         run.warnings.push(Warning::DigitsLost { t, column, why });

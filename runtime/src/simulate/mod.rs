@@ -318,6 +318,7 @@ fn finish(system: &dyn System, integration: &Integration, mut recorder: Recorder
     }
     recorder.constrained(integration.residuals());
     recorder.swept(integration.swept());
+    recorder.took(integration.found_step());
     recorder.ticked(integration.next_ticks(), integration.resumed());
     recorder.finish(system, integration.time(), integration.state(), integration.work(), clock.seconds())
 }

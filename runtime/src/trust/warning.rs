@@ -79,6 +79,11 @@ pub enum Warning {
         /// When they end, s.
         t: f64,
     },
+    /// The fixed step is too long for what happens within one: a pulse, a narrow well, a steep wall.
+    PassedOver {
+        /// When first, s.
+        t: f64,
+    },
     /// The motion starts at rest on a kink or jump from which both sides lead away.
     BothSidesLeave {
         /// What is zero there.
@@ -316,6 +321,12 @@ impl fmt::Display for Warning {
             Warning::ImpactsAccumulate { event, t } => write!(
                 f,
                 "the impacts of `{event}` accumulate at t = {} s, where the motion goes on with a resting contact",
+                short(*t)
+            ),
+            Warning::PassedOver { t } => write!(
+                f,
+                "the step passes over what happens within it (from t = {} s on: a pulse, a narrow well, a steep wall), and no digits are promised: \
+                 take a shorter one, or a method that chooses its steps",
                 short(*t)
             ),
             Warning::BothSidesLeave { switch } => write!(

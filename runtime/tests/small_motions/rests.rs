@@ -341,3 +341,45 @@ fn a_root_at_its_kink_is_refused_as_an_answer() {
         assert_eq!(found.is_err_and(|problem| problem.contains("no derivative")), refused, "{output}");
     }
 }
+
+/// Where its stiffness all but vanishes, a step of Newton's method would turn a pendulum 10¹⁶ times, where any force is rounding of its angle; a torque
+/// for which there is no rest finds none.
+#[test]
+fn no_rest_is_so_many_turns_away_that_rounding_makes_it_one() {
+    let pendulum = "name: P\nparameters: {m: 1 kg, l: 0.5 m, g: 9.81 m/s^2, M: 0 N*m}\ncoordinates: {theta: rad}\n\
+        bodies: {bob: {mass: m, position: \"l*[sin(theta), -cos(theta)]\"}}\ngravity: [0, -g]\n\
+        generalized_forces: {theta: M}\nscene: {start: {theta: 90 deg}, until: 1}\n";
+    for at in ["theta=pi/2", "theta=3*pi/2"] {
+        let found = run(pendulum, &["--at", at]);
+        let theta = found["equilibrium"]["theta"].as_f64().unwrap();
+        assert!(theta.abs() < 10.0 && theta.sin().abs() < 1e-12, "{theta}");
+    }
+    let refused = try_run(pendulum, &["--set", "M=5"]).unwrap_err();
+    contains(&refused, &["no equilibrium found"]);
+    let yoke = "name: Yoke\nparameters: {J: 0.05 kg*m^2, m: 2 kg, r: 0.1 m, M: 1.5 N*m, k: 300 N/m}\ncoordinates: {phi: rad, x: m}\n\
+        bodies: {crank: {mass: 0, inertia: J, angle: phi, position: \"[0, 0]\"}, yoke: {mass: m, position: \"[x, 0]\"}}\n\
+        torques: {drive: {on: crank, torque: M}}\nsprings: {s: {stretch: x, stiffness: k, along: ground.x, on: yoke}}\n\
+        constraints: {slide: x - r*cos(phi)}\nscene: {start: {phi: 0}, until: 1}\n";
+    let refused = try_run(yoke, &["--set", "M=1.6"]).unwrap_err();
+    contains(&refused, &["no equilibrium found"]);
+    let found = run(yoke, &["--set", "M=1.4"]);
+    let phi = found["equilibrium"]["phi"].as_f64().unwrap();
+    close((2.0 * phi).sin(), -1.4 / 1.5, 1e-12);
+}
+
+/// What an input does as time goes by is nothing to small motions, which hold it, with a constraint beside it either.
+#[test]
+fn kinks_of_an_input_in_time_are_none_of_small_motions() {
+    let text = |constraint: &str| {
+        format!(
+            "name: Shaken\nparameters: {{m: 100 kg, k: 40 kN/m, A: 2 mm, w: 30 rad/s}}\ncoordinates: {{x: m, s: m}}\n\
+             inputs: {{floor: \"A*max(0, sin(w*t))\"}}\nbodies: {{machine: {{mass: m, position: \"[s, x]\"}}}}\n\
+             springs: {{mount: {{stretch: x - floor, stiffness: k, along: ground.y, on: machine}}}}\n\
+             constraints: {{{constraint}}}\nscene: {{start: {{x: 0}}, until: 1}}\n"
+        )
+    };
+    close(omegas(&run(&text("guide: s"), &[]))[0], 20.0, 1e-12);
+    // A constraint that is kinked where it rests is one.
+    let refused = try_run(&text("guide: s - abs(x)"), &[]).unwrap_err();
+    contains(&refused, &["`x`"]);
+}

@@ -278,3 +278,23 @@ fn which_of_two_limits_gives_way_is_undecided() {
     let run = case(&text.replace("static: mus*m*g", "static: 1.000001*mus*m*g")).run();
     assert!((run.last()["z"] - run.last()["y"]).abs() < 1e-12);
 }
+
+/// Newton's cradle: what one end loses the other takes over, and the balls between rest in contact.  Their gaps are differences of places some
+/// centimetres away, whose rounding had a hundred thousand zeros in a step.
+#[test]
+fn balls_of_newtons_cradle_hang_at_rest_between_two_swings() {
+    for n in [3, 5] {
+        let text = format!(
+            "name: Cradle\nsizes: {{n: {n}}}\nparameters: {{m: 0.1 kg, l: 0.2 m, R: 10 mm, g: 9.81 m/s^2}}\n\
+             coordinates: {{'a[i in 1..n]': rad}}\npoints: {{'p[i in 1..n]': '[2*i*R + l*sin(a[i]), -l*cos(a[i])]'}}\n\
+             bodies: {{'b[i in 1..n]': {{mass: m, position: 'p[i]'}}}}\ngravity: [0, -g]\n\
+             contacts: {{'hit[i in 1..n-1]': {{gap: 'p[i+1].x - p[i].x - 2*R', on: 'b[i+1]', from: 'b[i]', normal: [1, 0], restitution: 1}}}}\n\
+             impacts: sequential\nscene: {{start: {{'a[1]': -20 deg}}, until: 0.45201}}\n"
+        );
+        let run = case(&text).run();
+        // After half a swing of each of them, the last one is as high as the first one was.
+        let last = run.last();
+        assert!((last.q[n - 1] - 20.0_f64.to_radians()).abs() < 1e-4, "{last}");
+        assert!(last.q[..n - 1].iter().all(|a| a.abs() < 1e-9) && run.work.steps < 100, "{last}");
+    }
+}

@@ -172,3 +172,17 @@ scene: {start: {r: 1.47e11, ph': 2.06e-7}, until: 8e8, tolerance: 1e-12}
         }
     }
 }
+
+/// An event that ends the run just behind a reported time ends the second run just before it, or the other way round: all digits hold.
+#[test]
+fn an_end_at_a_reported_time_keeps_its_digits() {
+    for tenth in 1..35 {
+        let text = format!(
+            "name: Free\nparameters: {{m: 1 kg, xq: 3.5 m}}\ncoordinates: {{x: m}}\nbodies: {{b1: {{mass: m, position: '[x, 0]'}}}}\n\
+             events: {{quit: {{when: x - xq, direction: rising, then: stop}}}}\nscene: {{start: {{x: {}, x': 1}}, until: 10}}\n",
+            f64::from(tenth) / 10.0
+        );
+        let run = case(&text).digits().run();
+        assert!(run.digits("x") >= Some(9), "from {tenth}/10: {:?}", run.digits("x"));
+    }
+}

@@ -65,8 +65,8 @@ fn on_its_sides<S: System + ?Sized, T>(
         let before = probe.sides_at(&from.q);
         let (found, there) = find(&**probe.system.borrow(), &from)?;
         probe.v.clone_from(&there.v);
-        if let Some(switch) = probe.on_surface(&there.q).first() {
-            return Err(LinearError::NotSmooth { switch: probe.switch(*switch).0 });
+        if let Some(switch) = probe.jump_or_kink(&there.q) {
+            return Err(LinearError::NotSmooth { switch });
         }
         if probe.sides_at(&there.q) == before {
             probe.check_time(&there.q)?;

@@ -9,7 +9,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 use super::state::{ConstrainedState, State, Turning};
 use super::tangent::{FAR, ITERATIONS, LATER, SAME, null_space};
 use super::turns::{Symmetries, later};
-use crate::linear::matrices::{expm, natural_sizes};
+use crate::linear::matrices::{expm, first_part, natural_sizes};
 use crate::linear::{FirstOrder, Guess, LinearError, Stability, first_order_modes};
 use crate::matrix::solve_least;
 use crate::mechanism::System;
@@ -160,7 +160,9 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
                 let tried = self.along(symmetries, &q, &guess.v).ok()?;
                 (self.equations_left(&tried, all).left.norm() < left.norm()).then_some(tried)
             };
-            let halves = std::iter::successors(Some(1.0), |part| Some(0.5 * part)).take_while(|part| *part > 1e-6);
+            let first = first_part(&self.units(), &state.q, step.as_slice());
+            let halves =
+                std::iter::successors(Some(first), |part| Some(0.5 * part)).take_while(|part| *part > 1e-6 * first);
             let Some(better) = halves.collect::<Vec<f64>>().iter().find_map(moved) else { break };
             state = better;
             iterations += 1;

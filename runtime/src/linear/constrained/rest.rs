@@ -12,7 +12,7 @@ use super::on_its_sides;
 use super::state::{ConstrainedState, State};
 use crate::constrain::{Projection, Start, consistent};
 use crate::linear::equilibrium::{ConvergenceHistory, RELAXATIONS, beside};
-use crate::linear::matrices::natural_sizes;
+use crate::linear::matrices::{first_part, is_lost, natural_sizes};
 use crate::linear::{Equilibrium, Guess, LinearError, Linearised, Mode, ZeroStiffness};
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{constraint_triples, mass_matrix};
@@ -39,8 +39,6 @@ pub struct Constrained {
 
 /// Newton's method gives up after so many iterations.
 const ITERATIONS: usize = 200;
-/// Nothing rests further away.
-const FAR: f64 = 1e30;
 /// A fall ends after so many steps, or when the square of the acceleration is this part of the first.
 const FALLS: usize = 400;
 const STILL: f64 = 1e-8;
@@ -221,6 +219,9 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         for _ in 0..FALLS {
             let mut tried = y.clone();
             tried.iter_mut().zip(a.iter()).for_each(|(q, a)| *q += h * a);
+            if is_lost(&self.units(), &tried[..n]) {
+                return None;
+            }
             projection.project(self.system, 0.0, &mut tried).ok()?;
             let (mass, there) = (mass(&tried), acceleration(&tried)?);
             // Past the lowest point it would be drawn back.
@@ -241,14 +242,16 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
     fn newton(&self, from: &[f64], v: &[f64]) -> Result<Found, LinearError> {
         let n = self.n;
         let mut state = self.state(from, v);
+        if is_lost(&self.units(), &state.q) {
+            return Err(self.nowhere(&state, 0));
+        }
         // A rest at 0 has no sizes by which steps of rounding are told.
         if self.is_exact(&state) {
             return Ok(Found { state, iterations: 0, slow: None });
         }
         let mut history = ConvergenceHistory::default();
         for iterations in 0..ITERATIONS {
-            let lost = state.q.iter().any(|q| q.abs() > FAR);
-            let Some((step, rows)) = (if lost { None } else { self.step(&state) }) else {
+            let Some((step, rows)) = (if is_lost(&self.units(), &state.q) { None } else { self.step(&state) }) else {
                 return Err(self.nowhere(&state, iterations));
             };
             let size = |state: &State| self.left_at_rest(state).component_mul(&rows).norm();
@@ -260,7 +263,9 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
                 self.keep_lengths(&mut next.q, from);
                 (part, next)
             };
-            let halves = std::iter::successors(Some(1.0), |part| Some(0.5 * part)).take_while(|part| *part > 1e-6);
+            let first = first_part(&self.units(), &state.q, step.as_slice());
+            let halves =
+                std::iter::successors(Some(first), |part| Some(0.5 * part)).take_while(|part| *part > 1e-6 * first);
             let better = halves.map(moved).find(|(_, next)| size(next) < before);
             let sizes = natural_sizes(&self.units(), &state.q);
             let largest = step.iter().zip(&sizes).fold(0.0_f64, |most, (step, size)| most.max(step.abs() / size));

@@ -15,7 +15,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 use super::on_its_sides;
 use super::relative::{Small, analysed};
 use super::state::{ConstrainedState, State, telling};
-use crate::linear::matrices::natural_sizes;
+use crate::linear::matrices::{first_part, is_lost, natural_sizes};
 use crate::linear::{Equilibrium, FirstOrder, Guess, LinearError, ZeroStiffness};
 use crate::matrix::{solve_least, svd};
 use crate::mechanism::{System, rows_in_force};
@@ -155,14 +155,16 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
             matrix.view_mut((0, open.len()), (n, m)).copy_from(&(-self.effects(state)));
             matrix.view_mut((n, 0), (extra, open.len())).copy_from(&allowed.select_columns(open));
             matrix.view_mut((n + extra, 0), (m, open.len())).copy_from(&slopes.rows(n, m).select_columns(open));
-            let lost = state.q.iter().any(|q| q.abs() > FAR);
-            if lost || matrix.iter().chain(left.iter()).any(|x| !x.is_finite()) {
+            if is_lost(&self.units(), &state.q) || matrix.iter().chain(left.iter()).any(|x| !x.is_finite()) {
                 return Err(self.nowhere(state, iterations));
             }
             let matrix = telling(matrix, &self.measures(state), sizes(state));
             let right = DMatrix::from_column_slice(left.len(), 1, left.as_slice());
             let Some(step) = solve_least(&matrix, &right) else { return Err(self.nowhere(state, iterations)) };
-            let mut part = 1.0;
+            let mut turns = vec![0.0; n];
+            open.iter().zip(step.iter()).filter(|(i, _)| **i < n).for_each(|(i, step)| turns[*i] = *step);
+            let first = first_part(&self.units(), &state.q, &turns);
+            let mut part = first;
             let better = loop {
                 let mut tried = state.clone();
                 for (k, i) in open.iter().enumerate() {
@@ -176,7 +178,7 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
                     break Some(tried);
                 }
                 part *= 0.5;
-                if part < 1e-6 {
+                if part < 1e-6 * first {
                     break None;
                 }
             };

@@ -76,6 +76,13 @@ impl Candidate {
         self.q[..self.n].iter().chain(&self.base.v[self.n..]).copied().chain(multipliers).collect()
     }
 
+    /// The units of the coordinates that are not hidden.
+    pub fn units(&self) -> Vec<String> {
+        let mut units = self.base.units();
+        units.truncate(self.n);
+        units
+    }
+
     /// The rows in force.
     pub fn rows(&self) -> &[usize] {
         self.held.as_ref().map_or(&[], |held| &held.rows)

@@ -2,6 +2,7 @@
 
 use nalgebra::DMatrix;
 
+use crate::linear::matrices::{first_part, is_lost};
 use crate::matrix::solve_least;
 
 /// Newton's method gives up after so many steps.
@@ -22,6 +23,9 @@ pub(super) trait Rest {
 
     /// Goes to other values.
     fn set(&mut self, unknowns: &[f64]);
+
+    /// The units of those that are coordinates, which come first.
+    fn units(&self) -> Vec<String>;
 
     /// What is left of each equation.
     fn left(&self) -> Vec<f64>;
@@ -53,7 +57,7 @@ pub(super) trait Rest {
         let mut iterations = 0;
         while iterations < ITERATIONS && !self.is_met(EXACT) {
             let slopes = self.slopes();
-            if slopes.iter().any(|x| !x.is_finite()) {
+            if slopes.iter().any(|x| !x.is_finite()) || is_lost(&self.units(), &self.unknowns()) {
                 return Err(iterations);
             }
             // What nothing that is sought changes cannot be better met.
@@ -69,7 +73,8 @@ pub(super) trait Rest {
             let left = unmet(self.left());
             let step = solve_least(&slopes, &DMatrix::from_column_slice(left.len(), 1, &left)).ok_or(iterations)?;
             let (from, before) = (self.unknowns(), size(&left));
-            let mut part = 1.0;
+            let first = first_part(&self.units(), &from, step.as_slice());
+            let mut part = first;
             loop {
                 let tried: Vec<f64> = from.iter().zip(step.iter()).map(|(x, step)| x - part * step).collect();
                 self.set(&tried);
@@ -77,7 +82,7 @@ pub(super) trait Rest {
                     break;
                 }
                 part *= 0.5;
-                if part < SHORTEST {
+                if part < SHORTEST * first {
                     self.set(&from);
                     return Ok(iterations);
                 }

@@ -7,6 +7,7 @@ use nalgebra::DMatrix;
 
 use super::Guess;
 use crate::linear::{LinearError, Residual, SparseMatrix, has_dependent_coordinates, short};
+use crate::mechanism::dense::{constraint_matrix, constraint_triples};
 use crate::mechanism::{At, SwitchKind, System};
 use crate::trust::ends_that_meet;
 
@@ -167,7 +168,12 @@ impl LinearisationPoint {
         self.system.borrow_mut().set_modes(&modes);
         let [_, damping, stiffness] = self.present_matrices(q);
         let derivatives = damping.entries.iter().chain(&stiffness.entries).map(|entry| entry.2).collect();
-        OneSide { force: self.present_force(0.0, q, &self.v), derivatives }
+        let system = self.system.borrow();
+        let at = At::new(0.0, q, &self.v);
+        let rows: Vec<usize> = (0..system.description().rows.len()).collect();
+        let mut constraints: Vec<f64> = constraint_triples(&**system, at).iter().map(|triple| triple[0]).collect();
+        constraints.extend(constraint_matrix(&**system, at, &rows).iter());
+        OneSide { force: self.present_force(0.0, q, &self.v), derivatives, constraints }
     }
 
     /// True for equations that are linear with constant coefficients.
@@ -349,10 +355,11 @@ impl LinearisationPoint {
     }
 }
 
-/// F and its derivatives on one side of a discontinuity.
+/// F and its derivatives, and c and J of all constraints, on one side of a discontinuity.
 pub(in crate::linear) struct OneSide {
     pub force: Vec<f64>,
     pub derivatives: Vec<f64>,
+    pub constraints: Vec<f64>,
 }
 
 /// The unit of the generalized force that belongs to a coordinate: work per its unit.

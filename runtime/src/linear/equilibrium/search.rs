@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use super::discontinuity::{Jump, held};
 use super::family::ZeroStiffness;
 use super::point::LinearisationPoint;
-use crate::linear::matrices::{Scaled, Singular};
+use crate::linear::matrices::{Scaled, Singular, first_part, is_lost};
 use crate::linear::{LinearError, SparseMatrix, short, short_beside};
 use crate::matrix::equilibrated;
 use crate::mechanism::System;
@@ -214,6 +214,9 @@ fn newton(base: &LinearisationPoint, mut q: Vec<f64>) -> Result<Found, LinearErr
     let mut history = ConvergenceHistory::default();
     let mut reach: Vec<f64> = q.iter().map(|q| q.abs()).collect();
     for iterations in 0..MOST_ITERATIONS {
+        if is_lost(&base.units(), &q) {
+            return Err(failed(base, iterations, &q, &force));
+        }
         if force.iter().all(|f| *f == 0.0) {
             return Ok(Found { q, iterations, slow: history.slow });
         }
@@ -347,12 +350,13 @@ fn shorten(
     force: &[f64],
 ) -> (Vec<f64>, Vec<f64>, f64) {
     let before = rows.size(force);
-    let mut factor = 1.0;
+    let first = if base.is_linear() { 1.0 } else { first_part(&base.units(), q, step) };
+    let mut factor = first;
     loop {
         let next: Vec<f64> = q.iter().zip(step).map(|(q, s)| q + factor * s).collect();
         let there = base.force(&next);
         let falls = rows.size(&there) < (1.0 - 1e-4 * factor) * before;
-        if (falls && !crosses_a_pole(base, q, &next)) || factor < 1e-9 {
+        if (falls && !crosses_a_pole(base, q, &next)) || factor < 1e-9 * first {
             return (next, there, factor);
         }
         factor *= 0.5;

@@ -244,6 +244,10 @@ impl Rest for Search {
         self.at.unknowns()
     }
 
+    fn units(&self) -> Vec<String> {
+        self.at.units()
+    }
+
     fn set(&mut self, unknowns: &[f64]) {
         self.at.set(unknowns);
     }

@@ -33,6 +33,27 @@ pub fn natural_sizes<U: AsRef<str>>(units: &[U], numbers: &[f64]) -> Vec<f64> {
     units.iter().map(size).collect()
 }
 
+/// Beyond this an angle's sine has lost half of its digits, rad.
+const TURNED: f64 = 1e8;
+/// Beyond this a search has found nothing.
+const FAR: f64 = 1e30;
+
+/// Whether a search has gone so far that rounding decides what it finds.
+pub fn is_lost<U: AsRef<str>>(units: &[U], numbers: &[f64]) -> bool {
+    let farthest = |unit: &U| if unit.as_ref() == "rad" { TURNED } else { FAR };
+    units.iter().zip(numbers).any(|(unit, x)| x.abs() > farthest(unit))
+}
+
+/// The part of a step of Newton's method with which a search begins: none turns an angle further than half a turn, or its own size.  Where a stiffness
+/// all but vanishes a whole step would lead to angles of so many turns that rounding hides what their sines are.  Numbers may be angles where
+/// a file has no units.
+pub fn first_part<U: AsRef<str>>(units: &[U], numbers: &[f64], step: &[f64]) -> f64 {
+    let is_angle = |unit: &U| matches!(unit.as_ref(), "" | "1" | "rad");
+    let angles = units.iter().zip(numbers.iter().zip(step)).filter(|(unit, _)| is_angle(unit));
+    let part = |(x, step): (&f64, &f64)| std::f64::consts::PI.max(x.abs()) / step.abs();
+    angles.map(|(_, turn)| part(turn)).fold(1.0, f64::min)
+}
+
 /// An orthonormal basis of the null space of a square matrix, by the singular values of the equilibrated one.
 pub fn null_space(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let n = matrix.nrows();

@@ -220,6 +220,10 @@ impl Rest for Search {
         self.place.unknowns().into_iter().chain(self.read.iter().map(|j| self.memory[*j])).collect()
     }
 
+    fn units(&self) -> Vec<String> {
+        self.place.units()
+    }
+
     fn set(&mut self, unknowns: &[f64]) {
         let (place, held) = unknowns.split_at(self.place.len());
         self.place.set(place);

@@ -255,6 +255,11 @@ impl Rest for Search {
         places.chain(multipliers).chain(self.values.iter().copied()).collect()
     }
 
+    fn units(&self) -> Vec<String> {
+        let units = self.base.units();
+        self.free.iter().map(|i| units[*i].clone()).collect()
+    }
+
     fn set(&mut self, unknowns: &[f64]) {
         let (places, rest) = unknowns.split_at(self.free.len());
         let (multipliers, values) = rest.split_at(self.rows.len());
