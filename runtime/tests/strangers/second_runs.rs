@@ -182,7 +182,7 @@ fn an_end_at_a_reported_time_keeps_its_digits() {
              events: {{quit: {{when: x - xq, direction: rising, then: stop}}}}\nscene: {{start: {{x: {}, x': 1}}, until: 10}}\n",
             f64::from(tenth) / 10.0
         );
-        let run = case(&text).digits().run();
+        let run = judged(&text);
         assert!(run.digits("x") >= Some(9), "from {tenth}/10: {:?}", run.digits("x"));
     }
 }
