@@ -102,9 +102,23 @@ impl Integration {
                 let noise = self.noise(system);
                 let lost =
                     (0..n).find(|coordinate| self.is_of_direction(system, *coordinate, LOUD * noise[*coordinate]));
-                let coordinate = lost.map(|coordinate| system.description().coordinate_name(coordinate));
-                let stalled = || Cause::StepTooSmall { h: step.h };
-                Err(coordinate.map_or_else(stalled, |coordinate| Cause::DirectionLost { coordinate }).into())
+                if let Some(coordinate) = lost {
+                    let coordinate = system.description().coordinate_name(coordinate);
+                    return Err(Cause::DirectionLost { coordinate }.into());
+                }
+                // Steps that have been short from the beginning on are many, and have not collapsed.
+                let needed = (self.until - self.clock.now()) / step.h;
+                match step.h < COLLAPSE * self.jumps.longest {
+                    true => Err(Cause::StepTooSmall { h: step.h }.into()),
+                    false if needed <= self.max_steps as f64 => {
+                        self.jumps.short = 0;
+                        Ok(())
+                    }
+                    false => {
+                        let needed = needed.ceil();
+                        Err(Cause::NeedsMoreSteps { step: step.h, needed, limit: self.max_steps }.into())
+                    }
+                }
             }
             Some(Upset::Jump(coordinate)) => {
                 let (before, after) = (start.rate[n + coordinate], end.rate[n + coordinate]);

@@ -136,3 +136,12 @@ fn what_rests_in_large_units_of_time_had_steps_that_were_too_small() {
         assert!(digits(q) >= 9, "{q}: {}", digits(q));
     }
 }
+
+/// Steps that suit an oscillator of some seconds are 10¹³ to the end of a run of ages: they are too many, and none has vanished beside the time.
+#[test]
+fn steps_that_are_too_many_are_not_too_small() {
+    let text = "name: Hard\nparameters: {m: 1e-12 kg, b: 1e12 N/m^3}\ncoordinates: {x: m}\nbodies: {b1: {mass: m, position: '[x, 0]'}}\n\
+        generalized_forces: {x: -b*x^3}\nscene: {start: {x: 1e-12}, until: 1e13, tolerance: 1e-10}\n";
+    let error = case(text).try_run().expect_err("too many steps");
+    assert!(matches!(error.cause(), Some(dalembert::Cause::NeedsMoreSteps { .. })), "{error}");
+}
