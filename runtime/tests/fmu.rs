@@ -36,6 +36,73 @@ const COMPARED: [(&str, &[&str]); 14] = [
     ("engine_map", &["--until", "10"]),
 ];
 
+/// Files whose motions pass zeros at which rounding, or nothing but what happens a moment later, says what is on either side.
+const AT_ZEROS: [(&str, &str); 4] = [
+    // Discontinuities at zero at the start, by an event, and where a law saturates; one that stays at zero.
+    (
+        "kinks",
+        "parameters: {m: 1 kg, k: 10 N/m, F: 3 N, g: 9.81 m/s^2, w: 4 rad/s, r: 1 1/s, t1: 0.3 s, kp: 20 N/m, kd: 2 N*s/m, ref: 0.5 m}\n\
+         coordinates: {x: m, y: m, z: m, s: m, l: m, o: m}\n\
+         states: {a: {unit: 1, rate: -r*(1 + 3*step(a))}, b: {unit: 1, rate: r*sign(a)}}\n\
+         inputs: {u: F*sign(sin(w*t))}\n\
+         bodies: {b1: {mass: m, position: \"[x, y]\"}, b2: {mass: m, position: \"[z, s]\"}, b3: {mass: m, position: \"[l, o]\"}}\n\
+         potential_energy: F*abs(x) + m*g*y + (k*z^2 + k*s^2 + k*o^2)/2\n\
+         generalized_forces: {y: \"-F*sign(y')\", z: u, s: \"-0.1*F*sign(s')\", l: \"max(-F, min(F, kp*(ref - l) - kd*l'))\", \
+         o: \"-F*sign(o')\"}\n\
+         events: {put: {when: t - t1, direction: rising, then: {set: {a: 0}}}}\n\
+         scene: {start: {x: 0, \"x'\": -1, s: 1.3, a: 2}, until: 1.7}\n",
+    ),
+    // Events of one direction, with a constraint on which steps end.
+    (
+        "passes",
+        "parameters: {m: 1 kg, l: 1.2 m, x0: 0.3 m, g: 9.81 m/s^2}\ncoordinates: {x: m, y: m}\nmemory: {f: 0, r: 0}\n\
+         bodies: {bob: {mass: m, position: \"[x, y]\"}}\ngravity: [0, -g]\nconstraints: {rod: x^2 + y^2 - l^2}\n\
+         events:\n  falls: {when: x - x0, direction: falling, then: {set: {f: f + 1}}}\n\
+         \x20 rises: {when: x - x0, direction: rising, then: {set: {r: r + 1}}}\noutputs: {falling: f, rising: r}\n\
+         scene: {start: {x: l*sin(1), y: -l*cos(1)}, until: 12}\n",
+    ),
+    // An event that is past at the start and ends its phase, and one that is past and does not.
+    (
+        "past",
+        "parameters: {m: 1 kg, k: 5 N/m, d: 1 m}\ncoordinates: {x: m}\nmemory: {n: 0}\n\
+         bodies: {b: {mass: m, position: \"[x, 0]\"}}\nphases: {low: [], high: []}\n\
+         forces: {f: {on: b, force: \"[2*k*d, 0]\", phase: low}, g: {on: b, force: \"[-k*d, 0]\", phase: high}}\n\
+         events:\n  up: {when: x - d, direction: rising, phase: low, then: high}\n\
+         \x20 down: {when: x - d, direction: falling, phase: high, then: low}\n\
+         \x20 count: {when: x - d, direction: rising, then: {set: {n: n + 1}}}\noutputs: {counted: n}\n\
+         scene: {start: {x: 1.5}, until: 2}\n",
+    ),
+    // Ticks from the start on that add.
+    (
+        "ticks",
+        "parameters: {w: 0 1/s}\nstates: {b: {unit: 1, rate: -b*w}}\nmemory: {n: 0}\n\
+         events: {tick: {every: 0.7 s, then: {set: {b: b + 1, n: n + 1}}}}\noutputs: {counted: n}\n\
+         scene: {start: {b: 0}, until: 2}\n",
+    ),
+];
+
+/// A block that a spring pulls less than dry friction holds it, by a sign: no acceleration on either side of rest.
+const STICKS: &str = "name: Sticks\nparameters: {m: 1 kg, k: 10 N/m, F: 3 N}\ncoordinates: {x: m}\n\
+                      bodies: {b: {mass: m, position: \"[x, 0]\"}}\n\
+                      generalized_forces: {x: \"-k*x - F*sign(x')\"}\nscene: {start: {x: 1}, until: 4}\n";
+
+/// Tells of every FMU of a folder when its run fails.
+const FAILURES: &str = r#"
+import glob, os, sys
+from fmpy import simulate_fmu
+for path in sorted(glob.glob(os.path.join(sys.argv[1], "*.fmu"))):
+    for kind in ("CoSimulation", "ModelExchange"):
+        last = [0.0]
+        def finished(time, recorder):
+            last[0] = time
+            return True
+        try:
+            simulate_fmu(path, fmi_type=kind, step_finished=finished)
+            print(kind, "ran")
+        except Exception as problem:
+            print(kind, round(last[0], 1), str(problem).split()[0])
+"#;
+
 /// Compares every FMU of a folder with the table beside it; prints a line for each.
 const DRIVER: &str = r#"
 import csv, glob, os, sys
@@ -146,9 +213,9 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// Exports a model with its options, and writes the table of the same run.
-fn export(folder: &Path, version: &str, name: &str, options: &[&str]) {
-    let model = format!("{MODELS}/{name}.yaml");
+/// Exports the model of a folder with its options, and writes the table of the same run.
+fn export(folder: &Path, version: &str, (models, name): (&str, &str), options: &[&str]) {
+    let model = format!("{models}/{name}.yaml");
     let path = |end: &str| folder.join(format!("{name}.{end}")).to_str().unwrap().to_owned();
     let told = run(&[&["export", &model, "--fmi", version, "--fmu", &path("fmu")], options].concat()).unwrap();
     assert!(told.starts_with("wrote "), "{told}");
@@ -181,16 +248,9 @@ fn fmus_move_as_the_program_does() {
 fn compare(python: &str, version: &str) {
     let folder = folder(&format!("fmu-{version}"));
     for (name, options) in COMPARED {
-        export(&folder, version, name, options);
+        export(&folder, version, (MODELS, name), options);
     }
-    let text = told(python, DRIVER, &folder);
-    let lines: Vec<Vec<&str>> = text.lines().map(|line| line.splitn(5, ' ').collect()).collect();
-    assert_eq!(lines.len(), 2 * COMPARED.len(), "{text}");
-    let right = |line: &Vec<&str>| {
-        let (worst, compared): (f64, usize) = (line[2].parse().unwrap(), line[3].parse().unwrap());
-        worst <= TOLERANCE && compared >= 100 && line[4] == "valid"
-    };
-    assert!(lines.iter().all(right), "{text}");
+    agree(python, &folder, COMPARED.len());
     let slopes = told(python, SLOPES, &folder);
     // FMPy prints why calls are refused.
     let lines: Vec<&str> = slopes.lines().filter(|line| line.contains(".fmu ")).collect();
@@ -198,6 +258,42 @@ fn compare(python: &str, version: &str) {
     let right = |line: &&str| line.rsplit(' ').next().unwrap().parse::<f64>().unwrap() <= TOLERANCE;
     assert!(lines.iter().all(right), "{slopes}");
     fs::remove_dir_all(folder).unwrap();
+}
+
+/// Runs the FMUs of a folder, so many, beside their tables.
+fn agree(python: &str, folder: &Path, count: usize) {
+    let text = told(python, DRIVER, folder);
+    let lines: Vec<Vec<&str>> = text.lines().map(|line| line.splitn(5, ' ').collect()).collect();
+    assert_eq!(lines.len(), 2 * count, "{text}");
+    let right = |line: &Vec<&str>| {
+        let (worst, compared): (f64, usize) = (line[2].parse().unwrap(), line[3].parse().unwrap());
+        worst <= TOLERANCE && compared >= 100 && line[4] == "valid"
+    };
+    assert!(lines.iter().all(right), "{text}");
+}
+
+#[test]
+fn what_is_at_a_zero_is_where_it_goes() {
+    let Some(python) = python() else {
+        eprintln!("no Python with FMPy, or no C compiler: FMUs are not run");
+        return;
+    };
+    let (zeros, sticks) = (folder("fmu-zeros"), folder("fmu-sticks"));
+    for (name, text) in AT_ZEROS {
+        fs::write(zeros.join(format!("{name}.yaml")), format!("name: Zeros\n{text}")).unwrap();
+        export(&zeros, "3", (zeros.to_str().unwrap(), name), &[]);
+    }
+    agree(python, &zeros, AT_ZEROS.len());
+    // From x = 1 m to -0.4 m and 0.2 m, where it stays after half a period each, of 2 pi/sqrt(10) s.
+    let (model, fmu) = (sticks.join("sticks.yaml"), sticks.join("sticks.fmu"));
+    fs::write(&model, STICKS).unwrap();
+    run(&["export", model.to_str().unwrap(), "--fmu", fmu.to_str().unwrap()]).unwrap();
+    let text = told(python, FAILURES, &sticks);
+    let last: Vec<&str> = text.lines().filter(|line| line.contains("fmi3")).collect();
+    assert_eq!(last, ["CoSimulation 2.0 fmi3DoStep", "ModelExchange 2.0 fmi3UpdateDiscreteStates"], "{text}");
+    for folder in [zeros, sticks] {
+        fs::remove_dir_all(folder).unwrap();
+    }
 }
 
 #[test]

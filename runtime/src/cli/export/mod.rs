@@ -72,8 +72,12 @@ fn start(loaded: &mut Loaded, options: &ArgMatches) -> Result<Start, Problem> {
     let memory = settings.memory.clone().unwrap_or_else(|| system.scene_memory(0));
     let mut inputs = vec![0.0; 3 * system.description().inputs.len()];
     system.inputs(settings.from, &mut inputs);
-    let beginning =
-        Settings { until: settings.from + BEGINNING * (settings.until - settings.from), ..settings.clone() };
+    let beginning = Settings {
+        until: settings.from + BEGINNING * (settings.until - settings.from),
+        // What happens at the start is left to the FMU.
+        ignored_events: (0..system.description().events.len()).collect(),
+        ..settings.clone()
+    };
     let first = simulate(system, &beginning).map_err(|error| Problem::Run(error.to_string()))?.first();
     Ok(Start {
         token: format!("{{{:016x}}}", print::fnv1a(&loaded.source)),
@@ -84,6 +88,7 @@ fn start(loaded: &mut Loaded, options: &ArgMatches) -> Result<Start, Problem> {
         inputs,
         phase: settings.phase,
         until: settings.until,
+        span: settings.until - settings.from,
         tolerance: settings.tolerance.max(TIGHTEST),
     })
 }

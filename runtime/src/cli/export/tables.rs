@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-use dalembert_symbolic::lower::Program;
+use dalembert_symbolic::derive::SwitchKind;
+use dalembert_symbolic::lower::{Program, Rate};
 use dalembert_symbolic::model::{EventAction, Target, Trigger};
 use dalembert_symbolic::print::{CText, c_float};
 
@@ -21,7 +22,9 @@ typedef struct {
 
 typedef struct {
     int direction, trigger, clock, first, count;
-    int acts; /* whether it changes the phase or speeds */
+    int acts;  /* whether it changes the phase or speeds */
+    int named; /* whether it names phases */
+    int rated; /* whether its rate is known */
     char phases[PHASES ? PHASES : 1], watched[MEMORY ? MEMORY : 1];
 } event;
 
@@ -44,8 +47,9 @@ pub fn tables(program: &Program, code: &CText, start: &Start) -> String {
     }
     let _ = writeln!(
         out,
-        "#define TOLERANCE {}\n#define DRIFT 1e-9\n\nenum {{\n    MECHANICAL = {},",
+        "#define TOLERANCE {}\n#define SPAN {}\n#define DRIFT 1e-9\n\nenum {{\n    MECHANICAL = {},",
         c_float(start.tolerance),
+        c_float(start.span),
         model.mechanical()
     );
     for size in [
@@ -79,6 +83,8 @@ pub fn tables(program: &Program, code: &CText, start: &Start) -> String {
     }
     let holonomic = model.constraints.iter().flat_map(|c| vec![u8::from(c.holonomic).to_string(); c.value.len()]);
     out += &array_of("char", "is_holonomic", &holonomic.collect::<Vec<_>>());
+    let is_step = program.switches.iter().map(|switch| u8::from(switch.kind == SwitchKind::Step).to_string());
+    out += &array_of("char", "is_step", &is_step.collect::<Vec<_>>());
     let targets = model.sets.iter().flat_map(|set| &set.values).map(|(target, _)| match target {
         Target::Memory(k) => k.to_string(),
         Target::State(k) => format!("-{}", 1 + model.mechanical() + k),
@@ -97,7 +103,7 @@ fn array_of(kind: &str, name: &str, values: &[String]) -> String {
 fn events(program: &Program) -> String {
     let model = &program.model;
     let (mut actions, mut events, mut impacts) = (Vec::new(), Vec::new(), 0);
-    for event in &model.events {
+    for (event, rate) in model.events.iter().zip(&program.event_rates) {
         let first = actions.len();
         for action in &event.actions {
             actions.push(match action {
@@ -126,10 +132,12 @@ fn events(program: &Program) -> String {
         };
         let acts = event.actions.iter().any(|a| matches!(a, EventAction::Phase(_) | EventAction::Impact { .. }));
         events.push(format!(
-            "{{{}, {trigger}, {clock}, {first}, {}, {}, {{{}}}, {{{}}}}}",
+            "{{{}, {trigger}, {clock}, {first}, {}, {}, {}, {}, {{{}}}, {{{}}}}}",
             event.direction,
             event.actions.len(),
             u8::from(acts),
+            u8::from(event.phases.is_some()),
+            u8::from(matches!(rate, Rate::Whole(_))),
             flags(program.phases(), &|k| event.phases.as_ref().is_none_or(|phases| phases.contains(&k))),
             flags(model.memory.len(), &watched),
         ));

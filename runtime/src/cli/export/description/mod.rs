@@ -31,6 +31,8 @@ pub struct Start {
     pub phase: usize,
     /// The end.
     pub until: f64,
+    /// How long the scene goes on.
+    pub span: f64,
     /// The relative tolerance of its own integration.
     pub tolerance: f64,
 }

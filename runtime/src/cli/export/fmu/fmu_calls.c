@@ -37,9 +37,8 @@ void begin_initialization(instance *m, double start, double tolerance) {
 
 const char *end_initialization(instance *m, int at_once) {
     int changed;
-    settle(m);
     m->initializing = 0;
-    return told(evaluate(m) && (!at_once || happen(m, &changed)));
+    return told(settle(m) && (!at_once || happen(m, &changed)));
 }
 
 static double *state(instance *m, int k) {

@@ -8,6 +8,12 @@
 
 /* A function of an event has a sign beyond this part of its largest value. */
 #define SURE 1e-12
+/* A moment, in parts of the time in which the state changes by as much as it is. */
+#define MOMENT 1e-7
+/* What is at zero is less than this part of what it changes by in a moment. */
+#define NEAR 1e-2
+/* Trials of modes, beside one for each; after half of them one mode changes at a time. */
+#define TRIALS 20
 /* Impacts that leave this part of the fastest are the last: what remains of them is over at once. */
 #define LAST 1e-5
 /* Events in turn at one instant beyond which they are a cycle. */
@@ -50,32 +56,105 @@ int evaluate(instance *m) {
     return !m->failed;
 }
 
-/* Sets the modes as the state asks for; a mode of an input may move others. */
-static void set_modes(instance *m) {
-    for (int pass = 0; pass < (MODES ? 2 : 0); pass++) {
-        m->known = 0;
-        evaluate(m);
-        MODEL(settle)(m->c, m->t, m->u, m->q, m->v, m->a, m->l);
-    }
-    m->known = 0;
+static int is_active(const instance *m, int event) {
+    return events[event].trigger == ZERO && events[event].phases[MODEL(phase)(m->c)];
 }
 
-static int is_active(const instance *m, int event) {
-    return events[event].phases[MODEL(phase)(m->c)];
+/* Functions of events, then arguments of discontinuities, and their rates; conditions of events. */
+static int functions(instance *m, double *z, double *rate, double *conditions) {
+    double pairs[ROOM(2 * EVENTS)], modes[ROOM(2 * MODES)];
+    const int good = evaluate(m);
+    MODEL(events)(m->c, m->t, m->u, m->q, m->v, m->a, m->l, pairs);
+    MODEL(event_rates)(m->c, m->t, m->u, m->q, m->v, m->a, m->l, rate);
+    MODEL(switches)(m->c, m->t, m->u, m->q, m->v, m->a, m->l, modes);
+    for (int k = 0; k < EVENTS; k++) {
+        z[k] = pairs[2 * k];
+        conditions[k] = pairs[2 * k + 1];
+    }
+    for (int k = 0; k < MODES; k++) {
+        z[EVENTS + k] = modes[2 * k];
+        rate[EVENTS + k] = modes[2 * k + 1];
+    }
+    return good;
+}
+
+/* How long a moment is: of the time in which the state changes by as much as it is, and more than the time's rounding. */
+static double moment(const instance *m) {
+    double shortest = SPAN;
+    for (int i = 0; i < COORDINATES; i++) {
+        if (i < MECHANICAL && m->v[i] != 0.0) shortest = fmin(shortest, fmax(fabs(m->q[i]), nominal[i]) / fabs(m->v[i]));
+        if (m->a[i] != 0.0) shortest = fmin(shortest, fmax(fabs(m->v[i]), nominal[MECHANICAL + i]) / fabs(m->a[i]));
+    }
+    return MOMENT * shortest + DBL_EPSILON / (MOMENT * NEAR) * fabs(m->t);
+}
+
+/* The sides of their zeros on which all functions are: where one is zero, the side on which it is a moment later; 0 where it stays. */
+static int sides(instance *m, double *side, char *at_zero, double *conditions) {
+    double z[ROOM(INDICATORS)], rate[ROOM(INDICATORS)], after[ROOM(INDICATORS)], rate_after[ROOM(INDICATORS)], unused[ROOM(EVENTS)];
+    int good = functions(m, z, rate, conditions);
+    const double h = good ? moment(m) : 0.0;
+    instance later = *m;
+    for (int i = 0; i < COORDINATES; i++) {
+        later.q[i] += i < MECHANICAL ? h * (m->v[i] + 0.5 * h * m->a[i]) : 0.0;
+        later.v[i] += h * m->a[i];
+    }
+    later.t += h;
+    later.known = 0;
+    functions(&later, after, rate_after, unused);
+    for (int k = 0; k < INDICATORS; k++) {
+        const int rated = k >= EVENTS || events[k].rated;
+        const double move = rated ? 0.5 * h * (rate[k] + rate_after[k]) : after[k] - z[k];
+        const int near = fabs(z[k]) <= NEAR * fabs(move);
+        const double sure = k < EVENTS && !near ? SURE * m->size[k] : 0.0, value = near ? move : z[k];
+        side[k] = value > sure ? 1.0 : value < -sure ? -1.0 : 0.0;
+        at_zero[k] = near || fabs(z[k]) <= sure;
+        good = good && (k < EVENTS || value == value);
+        if (k < EVENTS && !is_active(m, k)) side[k] = 0.0;
+    }
+    return good;
+}
+
+/* Sets the modes as the state asks for; one may move others.  0 where both sides of a discontinuity lead back to it. */
+static int set_modes(instance *m) {
+    double side[ROOM(INDICATORS)], conditions[ROOM(EVENTS)], *modes = MODEL(modes)(m->c);
+    char at_zero[ROOM(INDICATORS)];
+    int changed = MODES > 0, good = 1;
+    for (int trial = 0; changed && trial < TRIALS + MODES; trial++) {
+        changed = 0;
+        m->known = 0;
+        good = sides(m, side, at_zero, conditions);
+        for (int k = 0; k < MODES; k++) {
+            /* At zero where it is, before it is asked where that leads. */
+            const double wanted = trial < 2 && at_zero[EVENTS + k] ? 0.0 : side[EVENTS + k];
+            const double mode = is_step[k] ? dalembert_step(wanted) : wanted;
+            if (modes[k] == mode || (changed && trial > TRIALS / 2)) continue;
+            modes[k] = mode;
+            changed = 1;
+        }
+        changed = changed || trial < 2;
+    }
+    m->known = 0;
+    return good && !changed;
 }
 
 int indicators(instance *m, double *z) {
-    double pairs[ROOM(2 * EVENTS)], modes[ROOM(2 * MODES)];
+    double rate[ROOM(INDICATORS)], conditions[ROOM(EVENTS)];
+    const double *modes = MODEL(modes)(m->c);
     if (!evaluate(m)) return 0;
-    MODEL(events)(m->c, m->t, m->u, m->q, m->v, m->a, m->l, pairs);
-    MODEL(switches)(m->c, m->t, m->u, m->q, m->v, m->a, m->l, modes);
-    for (int k = 0; k < EVENTS; k++) {
-        z[k] = events[k].trigger == ZERO && is_active(m, k) ? pairs[2 * k] : 1.0;
-        if (fabs(z[k]) > m->size[k]) m->size[k] = fabs(z[k]);
-        if (z[k] > SURE * m->size[k]) m->seen_above[k] = 1;
-        if (z[k] < -SURE * m->size[k]) m->seen_below[k] = 1;
+    functions(m, z, rate, conditions);
+    for (int k = 0; k < INDICATORS; k++) {
+        const int mode = k - EVENTS;
+        double side = 0.0, sure = 0.0;
+        if (mode >= 0) side = is_step[mode] && modes[mode] == 0.0 ? -1.0 : modes[mode];
+        else {
+            if (!is_active(m, k)) z[k] = 1.0;
+            m->size[k] = fmax(m->size[k], fabs(z[k]));
+            side = is_active(m, k) ? m->side[k] : 1.0;
+            sure = SURE * m->size[k];
+        }
+        /* What is zero belongs to its side; what has none shows that it leaves zero. */
+        z[k] = side != 0.0 ? z[k] + side * DBL_MIN : sure + DBL_MIN - fabs(z[k]);
     }
-    for (int k = 0; k < MODES; k++) z[EVENTS + k] = modes[2 * k];
     return 1;
 }
 
@@ -162,15 +241,16 @@ int project(instance *m) {
     return jump(m, count, which, miss);
 }
 
-/* What has been seen begins anew. */
+/* Sides of events begin anew. */
 static int look_anew(instance *m) {
-    double z[ROOM(INDICATORS)];
-    memset(m->seen_above, 0, sizeof m->seen_above);
-    memset(m->seen_below, 0, sizeof m->seen_below);
-    return indicators(m, z);
+    double side[ROOM(INDICATORS)], z[ROOM(INDICATORS)], conditions[ROOM(EVENTS)];
+    char at_zero[ROOM(INDICATORS)];
+    if (!indicators(m, z) || !sides(m, side, at_zero, conditions)) return 0;
+    memcpy(m->side, side, EVENTS * sizeof(double));
+    return 1;
 }
 
-void settle(instance *m) {
+int settle(instance *m) {
     double clocks[ROOM(2 * CLOCKS)];
     MODEL(clocks)(m->c, clocks);
     for (int k = 0; k < CLOCKS; k++) {
@@ -178,10 +258,10 @@ void settle(instance *m) {
         m->period[k] = clocks[2 * k + 1];
         m->ticks[k] = fmax(0.0, ceil((m->t - m->first[k]) / m->period[k] - 1e-9));
     }
+    m->starting = 1;
     set_modes(m);
     project(m);
-    set_modes(m);
-    look_anew(m);
+    return set_modes(m) && look_anew(m);
 }
 
 double next_tick(const instance *m) {
@@ -271,23 +351,32 @@ static void assign(instance *m, const action *done, char *set) {
     m->known = 0;
 }
 
-/* Whether an event happens now. */
-static int fires(instance *m, int event, const double *pairs, const char *set, int entered) {
-    const double z = pairs[2 * event], condition = pairs[2 * event + 1];
-    const int direction = events[event].direction;
-    if (!is_active(m, event) || !(condition > 0.0)) return 0;
-    if (events[event].trigger == SET) {
-        for (int k = 0; k < MEMORY; k++)
-            if (set[k] && events[event].watched[k]) return 1;
-        return 0;
+/* Whether what is past a zero where a motion starts happens at once: what ends the phase that it names, and impacts at their zero. */
+static int starts(const instance *m, int event, int at_zero) {
+    int elsewhere = 0;
+    for (int k = events[event].first; k < events[event].first + events[event].count; k++) {
+        if (actions[k].kind == IMPACT) return at_zero;
+        elsewhere = elsewhere || (actions[k].kind == ENTER && actions[k].first != MODEL(phase)(m->c));
     }
-    if (events[event].trigger == TICK) {
-        const int clock = events[event].clock;
-        return m->first[clock] + m->ticks[clock] * m->period[clock] <= m->t + 1e-12 * fabs(m->t);
-    }
-    const double sure = SURE * m->size[event];
-    if (entered) return events[event].acts && (direction > 0 ? z > sure : direction < 0 ? z < -sure : 0);
-    return (direction <= 0 && m->seen_above[event] && z <= 0.0) || (direction >= 0 && m->seen_below[event] && z >= 0.0);
+    return elsewhere && events[event].named;
+}
+
+/* Whether an event at a zero happens now that its function is on a side; anew where it is looked at for the first time. */
+static int crosses(const instance *m, int event, double side, int anew) {
+    const double forward = events[event].direction * side, before = m->side[event];
+    if (side == 0.0) return 0;
+    if (anew || before == 0.0) return events[event].acts && forward > 0.0;
+    return side != before && forward >= 0.0;
+}
+
+/* Whether an event happens now that is no zero. */
+static int is_due(const instance *m, int event, const char *set) {
+    const int clock = events[event].clock;
+    if (!events[event].phases[MODEL(phase)(m->c)]) return 0;
+    if (events[event].trigger == TICK) return m->first[clock] + m->ticks[clock] * m->period[clock] <= m->t + 1e-12 * fabs(m->t);
+    for (int k = 0; k < MEMORY; k++)
+        if (set[k] && events[event].watched[k]) return 1;
+    return 0;
 }
 
 static int act(instance *m, int event, char *set, int *changed) {
@@ -308,17 +397,18 @@ static int act(instance *m, int event, char *set, int *changed) {
 
 int happen(instance *m, int *changed) {
     char set[ROOM(MEMORY)] = {0};
-    int phase = MODEL(phase)(m->c), entered = 0;
-    *changed = 0;
-    set_modes(m);
+    int phase = MODEL(phase)(m->c), anew = m->starting;
+    const int starting = m->starting;
+    *changed = m->starting = 0;
     for (int turn = 0; turn < CASCADE; turn++) {
-        double pairs[ROOM(2 * EVENTS)];
-        char now[ROOM(EVENTS)], done = 0;
-        if (!evaluate(m)) return 0;
-        MODEL(events)(m->c, m->t, m->u, m->q, m->v, m->a, m->l, pairs);
+        double side[ROOM(INDICATORS)], conditions[ROOM(EVENTS)];
+        char now[ROOM(EVENTS)], at_zero[ROOM(INDICATORS)], done = 0;
+        if (!set_modes(m) || !sides(m, side, at_zero, conditions)) return 0;
         for (int k = 0; k < EVENTS; k++) {
-            const int again = turn > 0 && events[k].trigger != SET && !(entered && events[k].trigger == ZERO);
-            now[k] = !again && fires(m, k, pairs, set, turn > 0);
+            const int zero = events[k].trigger == ZERO;
+            now[k] = zero ? (turn == 0 || anew) && crosses(m, k, side[k], anew) : (turn == 0 || events[k].trigger == SET) && is_due(m, k, set);
+            now[k] = now[k] && conditions[k] > 0.0 && (turn > 0 || !starting || !zero || starts(m, k, at_zero[k]));
+            if (zero && (turn > 0 || side[k] != 0.0)) m->side[k] = side[k];
         }
         memset(set, 0, sizeof set);
         for (int k = 0; k < EVENTS && !m->stopped; k++) {
@@ -329,13 +419,10 @@ int happen(instance *m, int *changed) {
         if (turn == 0)
             for (int k = 0; k < CLOCKS; k++)
                 if (m->first[k] + m->ticks[k] * m->period[k] <= m->t + 1e-12 * fabs(m->t)) m->ticks[k] += 1.0;
-        if (!done || m->stopped) {
-            set_modes(m);
-            return look_anew(m);
-        }
-        entered = MODEL(phase)(m->c) != phase;
+        if (!done) return 1;
+        if (m->stopped) return look_anew(m);
+        anew = MODEL(phase)(m->c) != phase;
         phase = MODEL(phase)(m->c);
-        set_modes(m);
     }
     return 0;
 }

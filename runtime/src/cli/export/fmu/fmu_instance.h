@@ -20,13 +20,14 @@ typedef struct {
     char is_given[ROOM(SIGNALS)];  /* inputs that the importer has set; the file's functions of time stand for the others */
     int known;                     /* whether u, a and l belong to this state */
     int failed;                    /* whether there are no accelerations */
-    char seen_above[ROOM(EVENTS)], seen_below[ROOM(EVENTS)]; /* signs of events' functions since the last event */
+    double side[ROOM(EVENTS)];     /* signs of events' functions since the last event; 0 where one was zero and stayed */
     double size[ROOM(EVENTS)];     /* the largest value of each that was seen */
     double approach;               /* the fastest impact */
     double first[ROOM(CLOCKS)], period[ROOM(CLOCKS)], ticks[ROOM(CLOCKS)];
     double tolerance, step;
     int stopped;
     int initializing; /* whether everything may still be set */
+    int starting;     /* whether events of the start are still to happen */
     int was_set;      /* whether something was set since the last step */
 } instance;
 
@@ -36,8 +37,9 @@ void begin(instance *m);
 /* Fills what depends on parameters, and keeps modes, phase and held values. */
 void take_parameters(instance *m);
 
-/* Puts the state on the constraints, and modes where it is: at the start, and whenever an importer was free to change everything. */
-void settle(instance *m);
+/* Puts the state on the constraints, and modes where it is: at the start, and whenever an importer was free to change everything; 0 where
+   there are no such modes. */
+int settle(instance *m);
 
 /* Computes inputs, accelerations and multipliers of the present state, once; 0 where there are none. */
 int evaluate(instance *m);
