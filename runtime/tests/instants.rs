@@ -111,6 +111,34 @@ scene: {start: {x: 1.2, y: -1.6, x': 0.8, y': 0.6}}
 }
 
 #[test]
+fn a_mass_is_that_of_its_state() {
+    let spring = |mass: &str, more: &str| {
+        format!(
+            "name: Filling\nparameters: {{m: 1 kg, k: 16 N/m, r: 2 kg/s}}\ncoordinates: {{x: m{more}}}\ninputs: {{push: 0 N}}\n\
+             states: {{s: {{unit: kg, rate: r}}}}\nbodies: {{b: {{mass: {mass}, position: '[x, 0]'}}}}\n\
+             springs: {{k: {{stretch: x, stiffness: k, along: ground.x, on: b}}}}\nforces: {{push: {{on: b, force: '[push, 0]'}}}}\n"
+        )
+    };
+    let push = NamedDrive { drive: Source::Input(0).into(), name: "push".into(), unit: "N".into() };
+    // (m + s) x'' = −k x + push, at rest where x is: d(x'')/ds = k x/(m + s)².
+    for (mass, by_place, by_state) in [("m + s", -4.0, 0.5), ("4*m", -4.0, 0.0)] {
+        let found = linearise_instant(
+            &system(&spring(mass, "")),
+            At::new(0.0, &[0.5, 0.0], &[0.0, 3.0]),
+            std::slice::from_ref(&push),
+            &["x"],
+        )
+        .unwrap();
+        assert_eq!([found.a[(1, 0)], found.a[(1, 2)], found.b[(1, 0)]], [by_place, by_state, 0.25], "{mass}");
+    }
+    // With a constraint, on which the mass has no say.
+    let held = spring("m + s", ", y: m") + "constraints: {tie: x - y}\n";
+    let found =
+        linearise_instant(&system(&held), At::new(0.0, &[0.5, 0.5, 0.0], &[0.0, 0.0, 3.0]), &[push], &["x"]).unwrap();
+    assert!((found.a[(2, 0)] + 4.0).abs() < 1e-14 && (found.b[(3, 0)] - 0.25).abs() < 1e-14, "{:?}", found.a);
+}
+
+#[test]
 fn the_command_runs_the_scene_until_then() {
     let (outcome, text) = modes(CART, "json", &["--at-time", "400 ms", "--json"]);
     outcome.unwrap();

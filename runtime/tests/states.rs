@@ -375,6 +375,32 @@ fn states_act_in_phases_and_end_them() {
 }
 
 #[test]
+fn what_is_struck_has_the_mass_of_its_state() {
+    // A body of 1 kg and what it carries, 3 e^(−0.3 t) kg, runs into one of 1 kg after 0.5 s.
+    let text = |mass: &str, then: &str| {
+        format!(
+            "name: Struck\nparameters: {{m: 1 kg, s0: 3 kg, w: 0.3 1/s}}\ncoordinates: {{x: m, y: m}}\n\
+             states: {{s: {{unit: kg, rate: -w*s}}}}\n\
+             bodies: {{a: {{mass: {mass}, position: \"[x, 0]\"}}, b: {{mass: m, position: \"[y, 0]\"}}}}\n\
+             constraints: {{touch: x - y}}\nphases: {{apart: [], together: [touch]}}\n\
+             events: {{hit: {{phase: apart, when: x - y, then: {then}}}}}\n\
+             scene: {{start: {{x: 0, y: 1, \"x'\": 2, s: s0}}, until: 0.9}}\n"
+        )
+    };
+    let carried = 3.0 * (-0.15_f64).exp();
+    let bounces = "{impact: 1, along: touch}";
+    for (mass, then, shared) in [("m + s", "together", 1.0), ("m + s", bounces, 2.0), ("m", "together", 1.0)] {
+        let file = File::new("struck", &text(mass, then));
+        let found = json(&["simulate", &file.0, "--slopes", "s0"]);
+        let inertia = if mass == "m" { 1.0 } else { 1.0 + carried };
+        near(&found["v"]["y"], shared * 2.0 * inertia / (inertia + 1.0), 1e-9);
+        // d/ds0 of that: 2/(M + 1)² dM/ds0.
+        let slope = if mass == "m" { 0.0 } else { shared * 2.0 / (inertia + 1.0).powi(2) * carried / 3.0 };
+        near(&found["slopes"]["s0"]["y'"]["value"], slope, 1e-9);
+    }
+}
+
+#[test]
 fn a_state_that_nothing_reads_and_names_that_clash() {
     let clash = "name: Clash\ncoordinates: {i: m}\nstates: {i: {unit: m, rate: i'}}\nkinetic_energy: i'^2/2\n";
     let file = File::new("clash", clash);

@@ -45,7 +45,7 @@ pub(crate) fn velocity_jump<S: System + ?Sized>(
 ) -> Result<VelocityJump, Singular> {
     let n = system.len();
     let mut form = KktSolver::default();
-    form.factor_rows(system, At::place(t, &y[..n]), rows)?;
+    form.factor_rows(system, At::packed(t, y, n), rows)?;
     let triples = constraint_triples(system, At::packed(t, y, n));
     let mut impulses: Vec<f64> = rows.iter().map(|row| -(1.0 + restitution(*row)) * triples[*row][1]).collect();
     let mut jump = vec![0.0; n];

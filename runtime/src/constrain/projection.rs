@@ -125,7 +125,7 @@ impl Projection {
             }
             fresh = before.is_infinite() || distance > SLOW * before;
             if fresh {
-                self.form.factor(system, At::place(t, &y[..n]))?;
+                self.form.factor(system, At::packed(t, y, n))?;
             }
             before = distance;
             self.solve(|projection, row| -projection.off(system, row).unwrap_or(0.0));
@@ -141,7 +141,7 @@ impl Projection {
     /// As [`Projection::project`].
     pub fn project_speeds<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &mut [f64]) -> Result<(), Singular> {
         let n = system.len();
-        self.factor(system, At::place(t, &y[..n]))?;
+        self.factor(system, At::packed(t, y, n))?;
         system.constraints(At::packed(t, y, n), &mut self.triples);
         self.solve(|projection, row| -projection.triples[3 * row + 1]);
         y[n..].iter_mut().zip(&self.delta).for_each(|(v, delta)| *v += delta);
@@ -164,7 +164,7 @@ impl Projection {
             if self.distance(system) > LEFT_OUT {
                 return self.project(system, t, y);
             }
-            self.factor(system, At::place(t, &y[..system.len()]))?;
+            self.factor(system, At::packed(t, y, system.len()))?;
         }
         self.note(system);
         Ok(false)

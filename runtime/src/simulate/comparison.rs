@@ -159,7 +159,7 @@ fn detuning(system: &dyn System, run: &Run) -> f64 {
     if !system.description().rows.is_empty() {
         return 0.0;
     }
-    let condition = |row: usize| inertia_condition(system, At::place(run.times[row], &run.rows[2 * n * row..][..n]));
+    let condition = |row: usize| inertia_condition(system, At::packed(run.times[row], &run.rows[2 * n * row..], n));
     let ends = (0..run.len()).filter(|row| [0, run.len() - 1].contains(row));
     ROUNDED_INERTIA * f64::EPSILON * ends.map(condition).fold(0.0, f64::max)
 }

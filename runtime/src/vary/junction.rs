@@ -237,11 +237,11 @@ fn strike(
     let impulses: Vec<f64> = taken.rows.iter().map(|(_, impulse)| *impulse).collect();
     let rates: Vec<f64> = constraint_triples(system, At::packed(t, y, n)).iter().map(|triple| triple[1]).collect();
     let mut form = KktSolver::default();
-    form.factor_rows(system, At::place(t, &y[..n]), &jump.rows).map_err(fault)?;
+    form.factor_rows(system, At::packed(t, y, n), &jump.rows).map_err(fault)?;
     let after: Vec<f64> = y[n..].iter().zip(&taken.jump).map(|(v, jump)| v + jump).collect();
     for (column, shift) in columns.iter_mut().zip(shifts) {
         let along = Along { t: *shift, ..column.along(n) };
-        let mut moved = momentum_slopes(system, (t, &y[..n]), &taken.jump, (&jump.rows, &impulses), &along);
+        let mut moved = momentum_slopes(system, At::packed(t, y, n), &taken.jump, (&jump.rows, &impulses), &along);
         moved.iter_mut().for_each(|force| *force = -*force);
         let [before, behind] = [&y[n..], &after[..]].map(|v| rate_slopes(system, At::new(t, &y[..n], v), &along));
         let mut de = vec![0.0; restitutions.len()];

@@ -2,20 +2,22 @@
 
 use crate::mechanism::{Along, At, Function, System};
 
-/// The change of M x − Jᵀ P along a direction of (t, q, p), with x and P held: n numbers; P for these rows.
+/// The change of M x − Jᵀ P along a direction of (t, q, p) and of states of first order, with x and P held: n numbers; P for these rows.
 pub(super) fn momentum_slopes(
     system: &dyn System,
-    (t, q): (f64, &[f64]),
+    At { t, q, v, .. }: At<'_>,
     x: &[f64],
     (rows, impulses): (&[usize], &[f64]),
     along: &Along<'_>,
 ) -> Vec<f64> {
-    let n = system.len();
+    let (n, first) = (system.len(), system.description().mechanical());
     let rest = vec![0.0; n];
-    let place = Along { v: &[], a: &[], lambda: &[], ..*along };
+    let states = |v: &[f64]| v.iter().enumerate().map(|(i, v)| if i < first { 0.0 } else { *v }).collect::<Vec<_>>();
+    let (still, moves) = (states(v), states(along.v));
+    let place = Along { v: &moves, a: &[], lambda: &[], ..*along };
     let residual = |a: &[f64]| {
         let mut slopes = vec![0.0; n];
-        system.slopes(Function::Residual, At::new(t, q, &rest).accelerated(a), &place, &mut slopes);
+        system.slopes(Function::Residual, At::new(t, q, &still).accelerated(a), &place, &mut slopes);
         slopes
     };
     // F = M a + h at rest, so that h goes out.
@@ -26,7 +28,7 @@ pub(super) fn momentum_slopes(
     }
     let demands = |a: &[f64]| {
         let mut slopes = vec![0.0; system.description().rows.len()];
-        system.slopes(Function::RowAccelerations, At::new(t, q, &rest).accelerated(a), &place, &mut slopes);
+        system.slopes(Function::RowAccelerations, At::new(t, q, &still).accelerated(a), &place, &mut slopes);
         slopes
     };
     let bias = demands(&rest);

@@ -41,9 +41,8 @@ impl Response {
             list.resize(rows, 0.0);
         }
         system.accelerations_and_multipliers(at, &mut self.a, &mut self.lambda)?;
-        let place = At::place(at.t, at.q);
-        self.unconstrained = system.active_rows().is_empty() && self.factor_mass(system, place);
-        if self.unconstrained { Ok(()) } else { self.form.factor(system, place) }
+        self.unconstrained = system.active_rows().is_empty() && self.factor_mass(system, at);
+        if self.unconstrained { Ok(()) } else { self.form.factor(system, at) }
     }
 
     /// Whether M alone is regular.

@@ -92,7 +92,9 @@ fn places(system: &dyn System, start: &Start<'_>, rows: &[usize], change: &Chang
         solve_least(&a.transpose(), &pull).map_or_else(|| vec![0.0; r], |x| x.iter().copied().collect());
     let at_rest = vec![0.0; n];
     // −∂(Jᵀ μ) along a direction.
-    let turned = |along: &Along<'_>| momentum_slopes(system, (start.t, q), &at_rest, (&holonomic, &pulls), along);
+    let turned = |along: &Along<'_>| {
+        momentum_slopes(system, At::packed(start.t, start.y, n), &at_rest, (&holonomic, &pulls), along)
+    };
     let mut k = DMatrix::identity(f + r, f + r);
     k.view_mut((f, f), (r, r)).fill(0.0);
     k.view_mut((0, f), (f, r)).copy_from(&a.transpose());
@@ -168,7 +170,7 @@ fn speeds(
     free.iter().for_each(|i| column[n + i] = 0.0);
     let (places, rates) = column.split_at(n);
     let along = Along { q: places, v: rates, parameter, ..Along::default() };
-    let turned = momentum_slopes(system, (start.t, q), v, (rows, &impulses), &along);
+    let turned = momentum_slopes(system, At::new(start.t, q, v), v, (rows, &impulses), &along);
     let coupled = mass.select_rows(&free) * DVector::from_row_slice(rates);
     let missed = rate_slopes(system, At::new(start.t, q, v), &along);
     let right = free
