@@ -86,6 +86,13 @@ const STICKS: &str = "name: Sticks\nparameters: {m: 1 kg, k: 10 N/m, F: 3 N}\nco
                       bodies: {b: {mass: m, position: \"[x, 0]\"}}\n\
                       generalized_forces: {x: \"-k*x - F*sign(x')\"}\nscene: {start: {x: 1}, until: 4}\n";
 
+/// A fall onto a floor at y = 0 that a phase with the constraint y = 0 begins at y = AT.
+const ENTERS: &str = "parameters: {m: 1 kg, g: 9.81 m/s^2, h: AT m}\ncoordinates: {x: m, y: m}\n\
+                      bodies: {b: {mass: m, position: \"[x, y]\"}}\ngravity: [0, -g]\nconstraints: {floor: y}\n\
+                      phases: {falls: [], slides: [floor]}\n\
+                      events: {lands: {phase: falls, when: y - h, direction: falling, then: slides}}\n\
+                      scene: {start: {y: 1, \"x'\": 1}, until: 1}\n";
+
 /// Tells of every FMU of a folder when its run fails.
 const FAILURES: &str = r#"
 import glob, os, sys
@@ -284,6 +291,18 @@ fn what_is_at_a_zero_is_where_it_goes() {
         export(&zeros, "3", (zeros.to_str().unwrap(), name), &[]);
     }
     agree(python, &zeros, AT_ZEROS.len());
+    // A constraint that does not hold where it is entered, and one that does but for the integration's error.
+    for (name, entered, failed) in [("misses", "0.5", true), ("meets", "0", false)] {
+        let text = format!("name: Enters\n{ENTERS}").replace("AT", entered);
+        let (folder, model) = (folder(name), zeros.join(format!("{name}.yaml")));
+        fs::write(&model, text).unwrap();
+        let fmu = folder.join("enters.fmu");
+        run(&["export", model.to_str().unwrap(), "--fmu", fmu.to_str().unwrap()]).unwrap();
+        let text = told(python, FAILURES, &folder);
+        assert_eq!(text.lines().any(|line| line.contains("fmi3DoStep")), failed, "{text}");
+        assert_eq!(text.lines().filter(|line| line.ends_with(" ran")).count(), if failed { 0 } else { 2 }, "{text}");
+        fs::remove_dir_all(folder).unwrap();
+    }
     // From x = 1 m to -0.4 m and 0.2 m, where it stays after half a period each, of 2 pi/sqrt(10) s.
     let (model, fmu) = (sticks.join("sticks.yaml"), sticks.join("sticks.fmu"));
     fs::write(&model, STICKS).unwrap();
@@ -367,6 +386,8 @@ fn what_an_fmu_cannot_do_is_refused_with_a_way_out() {
     let motor = format!("{MODELS}/motor.yaml");
     let refused = run(&["export", &motor, "--fmu", path, "--input", "u=1 V"]).unwrap_err();
     assert!(refused.contains("--input"), "{refused}");
+    let refused = run(&["export", &motor, "--c", folder.to_str().unwrap(), "--set", "R=2"]).unwrap_err();
+    assert!(refused.contains("--set: C has parameters"), "{refused}");
     let refused = run(&["export", &motor]).unwrap_err();
     assert!(refused.contains("--fmu"), "{refused}");
     assert!(!Path::new(path).exists());

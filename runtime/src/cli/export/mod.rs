@@ -25,6 +25,14 @@ const BEGINNING: f64 = 1e-6;
 
 /// Writes what was asked for.
 pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+    let of_scene = ["scene", "set", "params", "start", "input", "until", "tolerance"];
+    if let Some(option) = of_scene.into_iter().find(|option| options.contains_id(option))
+        && !options.contains_id("fmu")
+    {
+        return Err(Problem::usage(format!(
+            "--{option}: C has parameters and scenes as the file says, and takes others where it runs (`NAME_parameters`)"
+        )));
+    }
     let mut loaded = Loaded::find(context, options)?;
     let program = loaded.program()?;
     let code = print::c(&program, &loaded.name);

@@ -4,7 +4,8 @@
 
 #define NO_ACCELERATIONS                                                                                               \
     "no accelerations: the inertia of a coordinate vanishes, friction leaves no reaction, a number is not finite, or " \
-    "both sides of a discontinuity push back to it, as of sign(v) where friction sticks"
+    "both sides of a discontinuity push back to it, as of sign(v) where friction sticks, or a phase is entered where a " \
+    "constraint of it does not hold"
 
 /* Where each kind of variable begins among the value references. */
 enum {
@@ -215,6 +216,7 @@ const char *update(instance *m, int *changed) {
 
 const char *do_step(instance *m, double now, double length) {
     int changed, good = 1;
+    if (!(length > 0.0)) return "the length of a step is not positive";
     m->t = now;
     if (m->was_set && !m->stopped) good = happen(m, &changed);
     m->was_set = 0;

@@ -18,6 +18,8 @@
 #define LAST 1e-5
 /* Events in turn at one instant beyond which they are a cycle. */
 #define CASCADE 50
+/* A phase whose constraints move a coordinate by more than this part of it is entered where they do not hold. */
+#define MISSED 1e-3
 /* Newton's steps onto constraints. */
 #define STEPS 20
 
@@ -379,16 +381,24 @@ static int is_due(const instance *m, int event, const char *set) {
     return 0;
 }
 
+/* Begins a phase, on its constraints. */
+static int enter(instance *m, int phase) {
+    double before[ROOM(COORDINATES)];
+    memcpy(before, m->q, sizeof before);
+    MODEL(set_phase)(m->c, phase);
+    if (!project(m)) return 0;
+    for (int i = 0; i < MECHANICAL; i++)
+        if (fabs(m->q[i] - before[i]) > MISSED * fmax(fabs(before[i]), nominal[i])) return 0;
+    return 1;
+}
+
 static int act(instance *m, int event, char *set, int *changed) {
     for (int k = 0; k < events[event].count && !m->stopped; k++) {
         const action *done = &actions[events[event].first + k];
         if (done->kind == STOP) m->stopped = 1;
         if (done->kind == PUT) assign(m, done, set);
         if (done->kind == IMPACT && !strike(m, done)) return 0;
-        if (done->kind == ENTER) {
-            MODEL(set_phase)(m->c, done->first);
-            if (!project(m)) return 0;
-        }
+        if (done->kind == ENTER && !enter(m, done->first)) return 0;
         *changed = *changed || done->kind != RECORD;
     }
     m->known = 0;
