@@ -459,3 +459,39 @@ fn c_agrees_with_the_program() {
     assert!(JUMPS.load(Ordering::Relaxed) <= MOST_JUMPS, "{JUMPS:?}");
     fs::remove_dir_all(folder).unwrap();
 }
+
+/// Constraints of which one says nothing new, and contacts with friction: loops over rows of which a compiler does not know that there are some.
+const ROWS: [&str; 2] = [
+    "name: Redundant\nparameters: {m: 1 kg, g: 9.81 m/s^2}\ncoordinates: {x: m, y: m}\n\
+     bodies: {b: {mass: m, position: \"[x, y]\"}}\ngravity: [0, -g]\nconstraints: {c1: x - y, c2: 2*x - 2*y}\n\
+     outputs: {R: reaction(c1)}\nscene: {start: {x: 0, \"x'\": 1}, until: 1}\n",
+    "name: Corner\nparameters: {m: 1 kg, W: 1 m, g: 9.81 m/s^2, e: 0.6 1, mu: 0.3 1}\ncoordinates: {x: m, y: m}\n\
+     bodies: {ball: {mass: m, position: \"[x, y]\"}}\ngravity: [0, -g]\ncontacts:\n\
+     \x20 floor: {gap: y, on: ball, normal: \"[0, 1]\", restitution: e, friction: mu}\n\
+     \x20 wall: {gap: W - x, on: ball, normal: \"[-1, 0]\", restitution: e}\nimpacts: sequential\n\
+     scene: {start: {x: 0, y: 1, \"x'\": 2}, until: 3}\n",
+];
+
+#[test]
+fn optimised_c_has_no_warning() {
+    let Some(compiler) = compiler() else {
+        eprintln!("no C compiler here: C is not compiled");
+        return;
+    };
+    let folder = std::env::temp_dir().join(format!("dalembert-c-rows-{}", std::process::id()));
+    fs::create_dir_all(&folder).unwrap();
+    for (place, text) in ROWS.into_iter().enumerate() {
+        let program = compile_in(None, text, &[]).unwrap_or_else(|problems| panic!("{problems:?}"));
+        let (source, object) = (folder.join(format!("rows_{place}.c")), folder.join("rows.o"));
+        fs::write(&source, print::c(&program, "rows").whole()).unwrap();
+        for level in ["-O1", "-O2", "-O3"] {
+            let compiled = Command::new(compiler)
+                .args(["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", level, "-c"])
+                .args([source.to_str().unwrap(), "-o", object.to_str().unwrap()])
+                .output()
+                .unwrap();
+            assert!(compiled.status.success(), "{level}: {}", String::from_utf8_lossy(&compiled.stderr));
+        }
+    }
+    fs::remove_dir_all(folder).unwrap();
+}

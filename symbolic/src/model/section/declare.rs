@@ -462,7 +462,7 @@ pub fn dimension(root: &Node) -> usize {
         .filter(|(key, _)| {
             !matches!(
                 key.as_str(),
-                "parameters" | "joints" | "phases" | "scene" | "scenes" | "sample" | "about" | "sizes"
+                "parameters" | "tables" | "joints" | "phases" | "scene" | "scenes" | "sample" | "about" | "sizes"
             )
         })
         .map(|(key, node)| (key.as_str(), node))

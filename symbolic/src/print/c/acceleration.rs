@@ -41,7 +41,7 @@ const CONSTRAINED: &str = "
 static int NAME_constrained(const double *c, double t, const double *u, const double *q, const double *v, const double *h, const double *gamma, double *a, double *l) {
     enum { N = SIZE, ROWS = COUNT };
     double mass[N * N], matrix[ROWS * N];
-    double rows[ROWS * N], bias[ROWS], lambda[ROWS], doubles[DALEMBERT_DOUBLES(N, ROWS)];
+    double rows[ROWS * N] = {0.0}, bias[ROWS] = {0.0}, lambda[ROWS], doubles[DALEMBERT_DOUBLES(N, ROWS)];
     int active[ROWS], ints[DALEMBERT_INTS(N, ROWS)], rank;
     const int m = NAME_rows(NAME_phase(c), active, &rank);
     NAME_mass_matrix(c, t, u, q, v, mass);
@@ -67,7 +67,7 @@ int NAME_accelerations(const double *c, double t, const double *u, const double 
 ";
 
 /// B of the rows in force, where there is any.
-const RUB: &str = "    double rub[N * ROWS], friction[ROWS * N];
+const RUB: &str = "    double rub[N * ROWS], friction[ROWS * N] = {0.0};
     NAME_friction(c, t, u, q, v, rub);
     for (int k = 0; k < m; k++)
         for (int i = 0; i < N; i++) friction[k * N + i] = rub[i * ROWS + active[k]];

@@ -220,9 +220,22 @@ pub fn float(x: f64) -> String {
     if x.is_sign_negative() && !x.is_nan() { format!("(-{digits})") } else { digits }
 }
 
+/// Names of files, and a prefix of functions, that stand beside a model's.
+const BESIDE: [&str; 8] = [
+    "dalembert",
+    "dalembert_core",
+    "fmi2_functions",
+    "fmi3_functions",
+    "fmu_calls",
+    "fmu_description",
+    "fmu_instance",
+    "fmu_integrate",
+];
+
 /// A name of the file inside functions.
 pub(super) fn identifier(name: &str) -> String {
-    local_name(name).trim_start_matches("r#").to_owned()
+    let name = local_name(name).trim_start_matches("r#").to_owned();
+    if BESIDE.contains(&name.as_str()) { name + "_" } else { name }
 }
 
 /// Words of the file inside a comment, which they neither end nor open.
