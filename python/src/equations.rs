@@ -1,6 +1,7 @@
 //! The equations of a mechanism as functions of time and state, for integrators and optimisers of Python.
 
 use dalembert::mechanism::{At, Description, Singular, System, choose_sides, rate_jacobian};
+use dalembert::{Settings, simulate};
 use numpy::ndarray::Array2;
 use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArrayLike1};
 use pyo3::exceptions::PyValueError;
@@ -13,7 +14,11 @@ use crate::problem::made;
 #[pyclass(frozen, module = "dalembert._dalembert")]
 pub struct Equations {
     system: Box<dyn System>,
+    scene: usize,
 }
+
+/// The part of a run that is done to know its start.
+const BEGINNING: f64 = 1e-6;
 
 type State<'py> = PyArrayLike1<'py, f64, AllowTypeChange>;
 type Numbers<'py> = PyResult<Bound<'py, PyArray1<f64>>>;
@@ -34,7 +39,7 @@ impl Equations {
             system.set_memory(&system.scene_memory(scene));
             system.set_phase(phase);
             system.set_derivation(derivation);
-            Ok(Equations { system })
+            Ok(Equations { system, scene })
         })
     }
 
@@ -43,8 +48,12 @@ impl Equations {
     }
 
     /// The exception of a state without accelerations.
-    fn unsolved(&self, py: Python<'_>, singular: Singular) -> PyErr {
-        made(py, "EvaluationError", (singular.cause(self.description()).to_string(),))
+    fn unsolved(&self, py: Python<'_>, (t, y): (f64, &[f64]), singular: Singular) -> PyErr {
+        let words = match t.is_finite() && y.iter().all(|x| x.is_finite()) {
+            true => singular.cause(self.description()).to_string(),
+            false => "the time and the state are not all finite numbers".to_owned(),
+        };
+        made(py, "EvaluationError", (words,))
     }
 
     /// Does something with the system on the sides of discontinuities where a state is.
@@ -63,7 +72,7 @@ impl Equations {
                 return work(&*self.system, &y);
             }
             let mut system = self.system.boxed_clone();
-            choose_sides(&mut *system, t, &y).map_err(|singular| self.unsolved(py, singular))?;
+            choose_sides(&mut *system, t, &y).map_err(|singular| self.unsolved(py, (t, &y), singular))?;
             work(&*system, &y)
         })
     }
@@ -79,7 +88,7 @@ impl Equations {
             let (mut a, mut lambda) = (vec![0.0; system.len()], vec![0.0; system.description().rows.len()]);
             let at = At::packed(t, y, system.len());
             let solved = system.accelerations_and_multipliers(at, &mut a, &mut lambda);
-            solved.map_err(|singular| self.unsolved(py, singular))?;
+            solved.map_err(|singular| self.unsolved(py, (t, y), singular))?;
             work(system, at.accelerated(&a).constrained(&lambda))
         })
     }
@@ -93,12 +102,43 @@ impl Equations {
         self.system.parameters()
     }
 
+    /// Held values.
+    #[getter]
+    fn memory(&self) -> Vec<f64> {
+        self.system.memory().to_vec()
+    }
+
+    /// The scene's end.
+    #[getter]
+    fn until(&self) -> f64 {
+        self.system.scene(self.scene).until
+    }
+
+    /// The scene's start [q; q'], on the constraints of the phase, before any event.
+    fn start<'py>(&self, py: Python<'py>) -> Numbers<'py> {
+        let start = guarded(py, || {
+            let scene = self.system.scene(self.scene);
+            let mut system = self.system.boxed_clone();
+            let mut settings = Settings::of_scene(&*system, self.scene);
+            if self.description().rows.is_empty() {
+                return Ok([scene.q, scene.v].concat());
+            }
+            settings.phase = system.phase();
+            settings.until = settings.from + BEGINNING * (settings.until - settings.from);
+            settings.ignored_events = (0..self.description().events.len()).collect();
+            let run = simulate(&mut *system, &settings);
+            let first = run.map_err(|error| made(py, "EvaluationError", (error.to_string(),)))?.first();
+            Ok([first.q, first.v].concat())
+        })?;
+        Ok(PyArray1::from_vec(py, start))
+    }
+
     /// The rate [q'; q''] of a state [q; q'].
     fn rhs<'py>(&self, py: Python<'py>, t: f64, y: State<'py>) -> Numbers<'py> {
         let rate = self.on_its_sides(py, (t, &y), |system, y| {
             let mut rate = vec![0.0; y.len()];
             let solved = system.rate(t, y, &mut rate);
-            solved.map_err(|singular| self.unsolved(py, singular))?;
+            solved.map_err(|singular| self.unsolved(py, (t, y), singular))?;
             Ok(rate)
         })?;
         Ok(PyArray1::from_vec(py, rate))
@@ -108,7 +148,7 @@ impl Equations {
     fn jacobian<'py>(&self, py: Python<'py>, t: f64, y: State<'py>) -> Matrix<'py> {
         let slopes = self.on_its_sides(py, (t, &y), |system, y| {
             let slopes = rate_jacobian(system, t, y);
-            slopes.map_err(|singular| self.unsolved(py, singular))
+            slopes.map_err(|singular| self.unsolved(py, (t, y), singular))
         })?;
         Ok(PyArray2::from_owned_array(py, Array2::from_shape_fn((slopes.nrows(), slopes.ncols()), |at| slopes[at])))
     }

@@ -154,12 +154,9 @@ impl Model {
         Equations::new(py, self.session.system(), scene, parameters, (phase, derivation))
     }
 
-    /// The start of a scene, [q; q'], its end and its phase.
-    fn start(&self, scene: usize) -> (Vec<f64>, f64, usize) {
-        let mut system = self.session.system();
-        system.scene_parameters(scene).into_iter().for_each(|(index, value)| system.set_parameter(index, value));
-        let scene = system.scene(scene);
-        ([scene.q, scene.v].concat(), scene.until, scene.phase)
+    /// The phase of a scene.
+    fn phase(&self, scene: usize) -> usize {
+        self.session.system().scene(scene).phase
     }
 
     /// The names of systems of balances.

@@ -34,6 +34,11 @@ def test_points_are_a_mapping_or_a_frame(pendulum):
     assert sweeps[0].text == sweeps[1].text and list(sweeps[0]["m"]) == points["m"]
 
 
+def test_columns_of_different_lengths_are_refused(pendulum):
+    with pytest.raises(dalembert.UsageError, match="m has 3, theta1 has 1"):
+        pendulum.sweep(points={"m": [1.0, 2.0, 3.0], "theta1": [0.1]}, until=1)
+
+
 def test_runs_that_fail_are_rows(pendulum):
     sweep = pendulum.sweep({"l": [1.0, 2.0]}, max_steps=60)
     assert list(sweep.failed) == [0, 1] and "steps" in sweep["error"][0]

@@ -35,3 +35,38 @@ def test_without_a_compiler_it_says_so(tmp_path):
 def test_states_of_another_size_are_refused():
     with pytest.raises(ValueError, match="a state has 4 numbers"):
         dalembert.load("double_pendulum").compile().rhs(0, [1.0])
+
+
+@pytest.mark.parametrize("number", [int, np.int64, np.float32, float])
+def test_times_are_numbers_of_any_kind(number):
+    model = dalembert.load("base_excitation")
+    compiled, equations = model.compile(), model.equations()
+    for given in (np.array([0.1, 0.2]), np.array([0.1, 9.0, 0.2, 9.0])[::2], [np.float32(0.1), 1]):
+        before = np.array(given)
+        for compute in ("rhs", "mass_matrix", "bias"):
+            assert np.array_equal(getattr(compiled, compute)(number(1), given), getattr(equations, compute)(1.0, given)), compute
+        assert np.array_equal(given, before)
+    assert np.isnan(compiled.rhs(number(1), [np.nan, 0.0])).any()
+
+
+LAW = """
+name: Law
+parameters: {m: 1 kg, F: 3 N, k: 2 N/m, t1: 0.95 s, w: 4 rad/s}
+coordinates: {x: m}
+inputs: {u: INPUT}
+memory: {held: 1 N}
+bodies: {b: {mass: m, position: "[x, 0]"}}
+forces: {f: {on: b, force: "[u + held - k*sign(u - F/2)*abs(x), 0]"}}
+scene: {start: {x: 0.3, held: 5}, until: 1}
+"""
+
+
+@pytest.mark.parametrize("signal", ["F*step(t1 - t)", "F*step(t - t1)", "F*sign(sin(w*t))", "F*abs(sin(w*t))", "F*sin(w*t)"])
+def test_inputs_are_on_the_side_of_the_time_and_values_are_held(signal):
+    model = dalembert.load(LAW.replace("INPUT", signal))
+    compiled, equations = model.compile(), model.equations()
+    for t in (0.2, 0.93, 0.97, 0.1):
+        for y in ([0.3, 0.1], [-0.3, 0.1]):
+            assert np.allclose(compiled.rhs(t, y), equations.rhs(t, y), rtol=1e-14), (t, y)
+    if signal == "F*step(t1 - t)":
+        assert [compiled.rhs(t, [0.0, 0.0])[1] for t in (0.9, 0.97)] == [8, 5]

@@ -76,6 +76,29 @@ def test_outputs_are_those_of_a_run():
     assert np.array_equal(model.equations().outputs(1.0, motion.y[-1]), motion.outputs[-1])
 
 
+def test_the_start_is_that_of_the_parameters():
+    text = "{name: D, parameters: {m: 1 kg, L: 2 m, v: 1 m/s, T: L/v}, coordinates: {x: m}, kinetic_energy: m*x'^2/2, scene: {start: {x: L/4}, until: 3*T}}"
+    model = dalembert.load(text)
+    for L in (2, 4):
+        equations = model.equations(set={"L": L})
+        assert equations.y0[0] == L / 4 and equations.t_span == (0.0, 3 * L)
+        assert np.array_equal(equations.y0, model.simulate(set={"L": L}, digits=False).y[0])
+
+
+@pytest.mark.parametrize("name", ["slider_crank", "pendulum_cartesian", "stick_slip"])
+def test_the_start_is_on_the_constraints(name):
+    model = dalembert.load(name)
+    equations = model.equations()
+    assert np.allclose(equations.y0, model.simulate(digits=False).y[0], atol=1e-12)
+    # A state of one's own wants no start.
+    assert np.isfinite(equations.rhs(0.0, equations.y0 + 0.01)).all()
+
+
+def test_a_state_that_is_no_number_is_called_that():
+    with pytest.raises(dalembert.EvaluationError, match="not all finite"):
+        dalembert.load("double_pendulum").rhs(0, [np.nan, 0, 0, 0])
+
+
 def test_states_of_another_size_are_refused():
     with pytest.raises(ValueError, match="a state has 4 numbers, not 3"):
         dalembert.load("double_pendulum").rhs(0, [1, 2, 3])

@@ -51,6 +51,16 @@ def test_modes_have_the_same_matrices(cart, linear):
     assert np.array_equal(modes["M"], linear.M) and np.array_equal(modes["K"], linear.K)
 
 
+def test_python_control_takes_systems_without_inputs():
+    one = "{name: One, parameters: {T: 2 s}, states: {z: {unit: 1, rate: -z/T}}, scene: {start: {z: 1}, until: 1}}"
+    system = dalembert.load(one).linearise().state_space()
+    assert system.A.tolist() == [[-0.5]] and system.input_labels == ["none"] and not system.B.any()
+    two = one.replace("z: {unit: 1, rate: -z/T}", "z: {unit: 1, rate: -z/T}, w: {unit: 1, rate: z/T - w/T}")
+    assert dalembert.load(two).linearise().state_space().ninputs == 0
+    system = dalembert.load(two).linearise(out="w").state_space()
+    assert system.input_labels == ["none"] and system.C.tolist() == [[0, 1]]
+
+
 def test_a_regulator_of_python_control_holds_our_simulation(cart, linear):
     system = linear.state_space()
     assert system.state_labels == linear.variables and system.input_labels == ["push"]

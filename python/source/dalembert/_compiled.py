@@ -20,6 +20,7 @@ from ._errors import CompileError, EvaluationError
 from ._options import options
 
 if TYPE_CHECKING:
+    from ._equations import Equations
     from ._mechanism import Mechanism
 
 _Array = NDArray[np.float64]
@@ -35,7 +36,7 @@ _STATES = 8
 class Compiled:
     """Compiled equations of a scene: functions of a time t and a state y = (q, q') in SI units, as those of `Equations`."""
 
-    def __init__(self, folder: Path, prefix: str, sizes: dict[str, int], parameters: _Array, phase: int, kept: Any):
+    def __init__(self, folder: Path, prefix: str, sizes: dict[str, int], equations: Equations, kept: Any):
         #: Where the C and the library are.
         self.folder = folder
         #: The shared library, whose functions NAME.h declares.
@@ -47,13 +48,17 @@ class Compiled:
         self._functions = ctypes.CDLL(str(self.library))
         self._prefix = prefix
         self._constants = np.zeros(max(sizes["CONSTANTS"], 1))
-        self._call("constants", parameters, self._constants)
+        self._call("constants", np.array(equations._native.parameters + [0.0]), self._constants)
+        if sizes["MEMORY"] > 0:
+            held = self._functions[f"{prefix}_memory"]
+            held.restype = ctypes.POINTER(ctypes.c_double)
+            np.ctypeslib.as_array(held(_passed(self._constants)), (sizes["MEMORY"],))[:] = equations._native.memory
         if sizes["PHASES"] > 0:
-            self._call("set_phase", self._constants, phase)
+            self._call("set_phase", self._constants, equations.phase)
 
     def rhs(self, t: float, y: ArrayLike) -> _Array:
         """The rate (q', q'') of a state."""
-        c, u, q, v = self._at(t, y)
+        t, c, u, q, v = self._at(t, y)
         rate = np.empty(2 * len(q))
         rate[: len(q)] = v
         self._accelerations(c, t, u, q, v, rate[len(q) :])
@@ -61,21 +66,21 @@ class Compiled:
 
     def mass_matrix(self, t: float, y: ArrayLike) -> _Array:
         """The mass matrix M."""
-        c, u, q, v = self._at(t, y)
+        t, c, u, q, v = self._at(t, y)
         matrix = np.zeros((len(q), len(q)))
         self._call("mass_matrix", c, t, u, q, v, matrix)
         return matrix
 
     def bias(self, t: float, y: ArrayLike) -> _Array:
         """h of M q'' + h."""
-        c, u, q, v = self._at(t, y)
+        t, c, u, q, v = self._at(t, y)
         h = np.zeros(len(q))
         self._call("bias", c, t, u, q, v, h)
         return h
 
-    def _at(self, t: float, y: ArrayLike) -> tuple[_Array, _Array, _Array, _Array]:
-        """The block of constants with the sides of discontinuities, inputs, coordinates and rates."""
-        n = self._sizes["COORDINATES"]
+    def _at(self, t: float, y: ArrayLike) -> tuple[float, _Array, _Array, _Array, _Array]:
+        """The time, the block of constants with the sides of discontinuities, inputs, coordinates and rates."""
+        t, n = float(t), self._sizes["COORDINATES"]
         y = np.ascontiguousarray(y, dtype=float)
         if y.shape != (2 * n,):
             raise ValueError(f"a state has {2 * n} numbers, not {y.size}")
@@ -84,12 +89,15 @@ class Compiled:
         if self._sizes["MODES"] > 0:
             c = c.copy()
             a, multipliers = np.zeros(n), np.zeros(self._sizes["ROWS"])
-            self._accelerations(c, t, u, q, v, a, multipliers)
-            self._call("settle", c, t, u, q, v, a, multipliers)
-        return c, u, q, v
+            # An input may have sides, and those of others depend on it.
+            for _ in range(2):
+                self._call("accelerations", c, t, u, q, v, a, multipliers)
+                self._call("settle", c, t, u, q, v, a, multipliers)
+                self._call("inputs", c, t, u)
+        return t, c, u, q, v
 
-    def _accelerations(self, c: _Array, t: float, u: _Array, q: _Array, v: _Array, a: _Array, out: Any = None) -> None:
-        multipliers = np.zeros(self._sizes["ROWS"]) if out is None else out
+    def _accelerations(self, c: _Array, t: float, u: _Array, q: _Array, v: _Array, a: _Array) -> None:
+        multipliers = np.zeros(self._sizes["ROWS"])
         failed = self._call("accelerations", c, t, u, q, v, a, multipliers)
         if failed:
             what = f"the inertia of coordinate {failed - 1} vanishes" if failed > 0 else f"row {-1 - failed} has no reaction"
@@ -130,8 +138,7 @@ def build(
     if done.returncode != 0:
         raise CompileError(f"{' '.join(command)} failed:\n{done.stderr}")
     equations = mechanism.equations(scene, set=set)
-    parameters = np.array(equations._native.parameters + [0.0])
-    compiled = Compiled(place, prefix, sizes, parameters, equations.phase, kept)
+    compiled = Compiled(place, prefix, sizes, equations, kept)
     compiled.difference = _difference(compiled, equations)
     if not compiled.difference <= _SAME:
         raise CompileError(f"compiled accelerations differ from interpreted ones by {compiled.difference:.1e} of the largest")
@@ -152,7 +159,7 @@ def _compiler(asked: Optional[str]) -> list[str]:
     return [found, *command[1:]]
 
 
-def _difference(compiled: Compiled, equations: Any) -> float:
+def _difference(compiled: Compiled, equations: Equations) -> float:
     """The largest difference of rates at the start and at states about it, as a part of the largest."""
     random = np.random.default_rng(1)
     worst = 0.0

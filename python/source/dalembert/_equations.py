@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Callable
+from typing import Callable, Optional
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,16 +19,13 @@ class Equations:
     constraints, or does what events do: `simulate` does.
     """
 
-    def __init__(
-        self, native: _dalembert.Equations, names: list[str], events: list[tuple[str, int, bool]], start: _Array, until: float, phase: int
-    ):
+    def __init__(self, native: _dalembert.Equations, names: list[str], events: list[tuple[str, int, bool]], phase: int):
         self._native = native
         #: The names of y.
         self.names = names
-        #: The scene's start.
-        self.y0 = start
+        self._y0: Optional[_Array] = None
         #: From 0 to the scene's end, s.
-        self.t_span = (0.0, until)
+        self.t_span = (0.0, native.until)
         #: The place of the phase among the mechanism's.
         self.phase = phase
         self._events = events
@@ -52,6 +49,13 @@ class Equations:
         self.energy: Callable[[float, ArrayLike], tuple[float, float]] = native.energy
         #: The function of each event and its condition, two columns: it counts only where that is > 0.
         self.event_values: Callable[[float, ArrayLike], _Array] = native.events
+
+    @property
+    def y0(self) -> _Array:
+        """The scene's start, on the constraints that act in the phase."""
+        if self._y0 is None:
+            self._y0 = self._native.start()
+        return self._y0
 
     def events(self) -> list[Callable[[float, ArrayLike], float]]:
         """The event functions for `solve_ivp`, with `direction`; those that do more than record are `terminal`."""

@@ -128,12 +128,19 @@ class Linear(Report):
         return self.data["equilibrium"] if self.time is None else self.data["place"]
 
     def state_space(self) -> control.StateSpace:
-        """A, B, C and D for python-control, with names, in which `_` stands for dots; every variable of x is an output where `out` named none."""
+        """A, B, C and D for python-control, with names, in which `_` stands for dots; every variable of x is an output where `out` named none.
+
+        A system without inputs has one, `none`, that does nothing, where python-control needs it: of one state, or with one output.
+        """
         import control
 
         kinds = {"states": self.variables, "outputs": self.outputs, "inputs": self.state_inputs}
         names = {kind: [name.replace(".", "_") for name in names] for kind, names in kinds.items()}
-        return control.ss(self.A, self.B, self.output_matrix, self.feedthrough, **names)
+        B, D = self.B, self.feedthrough
+        if not self.state_inputs and 1 in (len(B), len(D)):
+            # python-control takes one row of nothing for a matrix without rows: an input that does nothing.
+            B, D, names["inputs"] = np.zeros((len(B), 1)), np.zeros((len(D), 1)), ["none"]
+        return control.ss(self.A, B, self.output_matrix, D, **names)
 
 
 def _matrix(rows: list[list[float]]) -> _Array:

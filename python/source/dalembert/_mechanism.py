@@ -532,13 +532,12 @@ class Mechanism:
         names = list(self.parameters)
         changed = [(_place("parameter", name, names), float(value)) for name, value in (set or {}).items()]
         place = 0 if scene is None else _place("scene", scene, self.scenes)
-        y0, until, first = self._model.start(place)
-        mode = first if phase is None else _place("phase", phase, self.phases)
+        mode = self._model.phase(place) if phase is None else _place("phase", phase, self.phases)
         system = None if by is None else _place("system of balances", by, self._model.derivations)
         native = self._model.equations(place, changed, mode, system)
         coordinates = [name for name, _ in self._model.coordinates]
         rates = [name[1:] if name.startswith("∫") else f"{name}'" for name in coordinates]
-        return Equations(native, coordinates + rates, self._model.events, np.array(y0), until, mode)
+        return Equations(native, coordinates + rates, self._model.events, mode)
 
     @property
     def _equations(self) -> Equations:
@@ -610,6 +609,10 @@ def _table(given: Any, folder: str) -> Optional[str]:
         return given if given is None else os.fspath(given)
     path = Path(folder, "given.csv")
     columns = {name: np.asarray(given[name], dtype=float) for name in given}
+    lengths = {name: len(column) for name, column in columns.items()}
+    if len(set(lengths.values())) > 1:
+        told = ", ".join(f"{name} has {length}" for name, length in lengths.items())
+        raise _errors.UsageError(f"columns of one length are wanted: {told}")
     with open(path, "w", newline="", encoding="utf-8") as file:
         table = csv.writer(file)
         table.writerow(columns)
