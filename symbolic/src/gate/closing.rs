@@ -230,13 +230,13 @@ fn distance(c: &[Measured], scales: &[f64]) -> f64 {
 }
 
 /// The lengths of so many lines of n numbers.
-fn lengths(lines: &[f64], rows: usize, n: usize) -> Vec<f64> {
+pub(super) fn lengths(lines: &[f64], rows: usize, n: usize) -> Vec<f64> {
     (0..rows).map(|k| lines[k * n..][..n].iter().map(|x| x * x).sum::<f64>().sqrt()).collect()
 }
 
 /// The least step x with A x = b, or where it is damped the least |A x − b|² + damping |x|², the rows of A and b divided by these scales,
 /// their lengths: AᵀA is not formed, but A Aᵀ with its diagonal raised, and what depends on other rows left out.
-fn least(lines: &[f64], scale: &[f64], right: &[f64], damping: f64) -> Option<Vec<f64>> {
+pub(super) fn least(lines: &[f64], scale: &[f64], right: &[f64], damping: f64) -> Option<Vec<f64>> {
     let (m, n) = (right.len(), lines.len() / right.len().max(1));
     let line = |k: usize| &lines[k * n..][..n];
     let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();

@@ -31,6 +31,7 @@ mod closure;
 mod coarse_events;
 mod combinations;
 mod common_inputs;
+mod contact_states;
 mod cyclic;
 mod dense;
 mod dependent;

@@ -184,12 +184,13 @@ impl Motion {
         true
     }
 
-    /// Brings a state to the constraints of its phase, and fills in inputs, modes, accelerations and multipliers.
+    /// Brings a state to where its phase may be, and fills in inputs, modes, accelerations and multipliers.
     pub fn complete(&self, state: &mut State) -> Result<(), Incomplete> {
-        if !self.place(state) {
+        if !self.place(state) || !self.constraints.meet_contacts(state) {
             return Err(Incomplete::NotFinite);
         }
         if !self.constraints.is_empty() {
+            self.prepare(state);
             return self.constrained(state);
         }
         if let Some(elimination) = &self.elimination {

@@ -1,6 +1,7 @@
 //! Constraints at a state: states are brought to them, and say how independent they are.
 
-use super::closing::{Group, HOLDS, groups};
+use super::closing::{Group, HOLDS, groups, least, lengths};
+use super::contact_states::ContactStates;
 use super::state::State;
 use crate::derive::{Equations, Rows};
 use crate::expr::{Id, Measured, Symbol, Tape, jacobian};
@@ -28,6 +29,7 @@ pub(super) struct Constraints {
     rubbing: Vec<(usize, usize)>,
     /// M's diagonal, by which coordinates of different units are compared.
     diagonal: Tape,
+    contacts: ContactStates,
 }
 
 /// The rows of a phase.
@@ -97,6 +99,7 @@ impl Constraints {
             loads: Tape::new(&model.graph, &loads),
             rubbing: friction.iter().map(|e| (e.0, e.1)).collect(),
             diagonal: Tape::new(&model.graph, &diagonal),
+            contacts: ContactStates::new(model, rows),
         }
     }
 
@@ -172,6 +175,36 @@ impl Constraints {
         let still = |v: &&mut DoubleDouble| v.abs().to_f64() <= HOLDS * fastest;
         state.v.iter_mut().filter(still).for_each(|v| *v = DoubleDouble::ZERO);
         true
+    }
+
+    /// Moves a state on the constraints of its phase to where friction slides and contacts are open as the phase says: false where that is
+    /// not found.
+    pub fn meet_contacts(&self, state: &mut State) -> bool {
+        self.contacts.meet(self, state)
+    }
+
+    /// Whether something rests at a state that slips in its phase.
+    pub fn rests(&self, state: &State) -> bool {
+        self.contacts.rests(self, state)
+    }
+
+    /// c' of all rows.
+    pub fn rates(&self, state: &State) -> Vec<Measured> {
+        let mut rates = self.rates.measured(|s| state.value(s));
+        rates.truncate(self.holonomic.len());
+        rates
+    }
+
+    /// The least change of the coordinates (or speeds) after which some rows (or their rates) differ by so much, to first order, and those of
+    /// the phase do not.
+    pub fn change(&self, state: &State, rows: &[(usize, f64)]) -> Option<Vec<f64>> {
+        let active = self.active(state.phase);
+        let all: Vec<usize> = active.iter().copied().chain(rows.iter().map(|row| row.0)).collect();
+        let right: Vec<f64> = active.iter().map(|_| 0.0).chain(rows.iter().map(|row| row.1)).collect();
+        let weights = self.weights(|s| state.value(s).to_f64());
+        let lines = weighted(self.lines(state, &all), &weights);
+        let step = least(&lines, &lengths(&lines, all.len(), self.n), &right, 0.0)?;
+        Some(step.iter().zip(&weights).map(|(s, w)| s * w).collect())
     }
 
     /// How many rows of its phase are independent at a state, and all of them in order, those first.

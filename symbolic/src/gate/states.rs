@@ -266,7 +266,10 @@ fn drawn(
         }
         match motion.complete(&mut state) {
             // Others are drawn in its place.
-            Ok(()) if motion.constraints.nearly_dependent(&state) => nearly.push(state),
+            Ok(()) if !model.contacts.is_empty() && !draws.inside(&state) => {}
+            Ok(()) if motion.constraints.nearly_dependent(&state) || motion.constraints.rests(&state) => {
+                nearly.push(state);
+            }
             Ok(()) => found.all.push(state),
             Err(Incomplete::NotFinite) => {}
             // Where M has full rank somewhere, other states are singular positions; where it has it nowhere, the
@@ -380,6 +383,7 @@ fn keep((motion, usual): (&Motion, &[usize]), mut state: State, kept: &mut Vec<S
     if motion.complete(&mut state).is_ok()
         && constraints.rank(&state).0 >= usual[state.phase]
         && !constraints.nearly_dependent(&state)
+        && !constraints.rests(&state)
     {
         kept.push(state);
     }

@@ -24,6 +24,13 @@ pub struct Contact {
     pub place: Place,
 }
 
+impl Contact {
+    /// What it may do.
+    pub fn modes(&self) -> &'static [ContactMode] {
+        ContactMode::of(self.normal.is_some(), self.tangent.is_some())
+    }
+}
+
 /// What a contact does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContactMode {

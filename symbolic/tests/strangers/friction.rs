@@ -95,3 +95,83 @@ constraints: {{{constraints}}}
     accepted(&point("m", "a: y - x"));
     accepted(&point("m", "a: y' = x/tau").replace("l: 1 m", "tau: 1 s"));
 }
+
+/// A block on a spring that rubs on a belt, with a claim.
+fn rubbing(more: &str) -> String {
+    format!(
+        "name: T
+parameters: {{m: 1 kg, k: 20 N/m, g: 9.81 m/s^2, mu: 0.3 1, v: 0.2 m/s}}
+coordinates: {{x: m}}
+bodies: {{block: {{mass: m, position: \"[x, 0]\"}}}}
+springs: {{s: {{stretch: x, stiffness: k, on: block, along: \"[1, 0]\"}}}}
+friction: {{rub: {{rate: x' - v, on: block, along: \"[1, 0]\", limit: mu*m*g, static: 2*mu*m*g}}}}
+{more}
+scene: {{start: {{x: 1, x': 0}}, until: 8}}
+"
+    )
+}
+
+#[test]
+fn what_slips_forwards_is_judged_where_it_slides_forwards() {
+    let equation = |sign: &str| {
+        let right = format!("-k*x + reaction(rub) {sign} mu*m*g*sign(x' - v)");
+        rubbing(&format!("balances: {{equations: [{{equation: \"m*x'' = {right}\"}}]}}"))
+    };
+    accepted(&equation("-"));
+    refused(&equation("+"), "E506");
+    let loss = |right: &str| {
+        rubbing(&format!("checks: {{loss: \"rate(energy) = {right}\"}}")).replace("rate: x' - v", "rate: x'")
+    };
+    accepted(&loss("-mu*m*g*abs(x')"));
+    refused(&loss("mu*m*g*abs(x')"), "E502");
+    refused(&loss("-mu*m*g*x'"), "E502");
+}
+
+#[test]
+fn a_gap_that_is_open_is_judged_where_it_is() {
+    let block = |more: &str| {
+        format!(
+            "name: T
+parameters: {{m: 1 kg, g: 9.81 m/s^2, mu: 0.3 1, R: 1 m}}
+coordinates: {{x: m, y: m}}
+bodies: {{b: {{mass: m, position: \"[x, y]\"}}}}
+gravity: [0, -g]
+{more}
+"
+        )
+    };
+    let on_the_floor = |check: &str| {
+        let contact = "contacts: {floor: {gap: y, on: b, normal: \"[0, 1]\", friction: mu}}";
+        block(&format!("{contact}\nchecks: {{c: \"{check}\"}}\nscene: {{start: {{y: 0, x': 1}}, until: 2}}"))
+    };
+    accepted(&on_the_floor("y = abs(y)"));
+    refused(&on_the_floor("x = abs(x)"), "E502");
+    accepted(&on_the_floor("rate(energy) = -mu*reaction(floor)*abs(x')"));
+    refused(&on_the_floor("rate(energy) = -mu*reaction(floor)*x'"), "E502");
+    // A gap that is no straight line's: inside of a hoop.
+    let in_a_hoop = |check: &str| {
+        let contact = "contacts: {hoop: {gap: R - norm(b), on: b, normal: \"-1*b\"}}";
+        block(&format!("{contact}\nchecks: {{c: \"{check}\"}}\nscene: {{start: {{y: -0.5}}, until: 2}}"))
+    };
+    accepted(&in_a_hoop("max(norm(b), R) = R"));
+    refused(&in_a_hoop("max(norm(b), R/2) = norm(b)"), "E502");
+}
+
+#[test]
+fn claims_and_balances_may_name_what_contacts_do() {
+    let claim = |holds: &str, phase: &str| rubbing(&format!("checks: {{c: {{holds: \"{holds}\", phase: {phase}}}}}"));
+    accepted(&claim("reaction(rub) = k*x", "rub sticks"));
+    accepted(&claim("m*x'' = -k*x - mu*m*g", "rub slips forwards"));
+    refused(&claim("m*x'' = -k*x - mu*m*g", "rub slips backwards"), "E502");
+    accepted(&claim("abs(m*x'' + k*x) = mu*m*g", "[rub slips forwards, rub slips backwards]"));
+    refused(&claim("x = x", "rub stick"), "E236");
+    refused(&claim("x = x", "[]"), "E317");
+    refused(&claim("x = x", "'rub sticks, rub slips forwards'"), "E328");
+    refused(&rubbing("forces: {f: {on: block, force: \"[-k*x, 0]\", phase: rub sticks}}"), "E327");
+    let system = |force: &str, phase: &str| {
+        rubbing(&format!("balances: {{phase: {phase}, equations: [{{equation: \"m*x'' = -k*x {force}\"}}]}}"))
+    };
+    accepted(&system("- mu*m*g", "rub slips forwards"));
+    accepted(&system("+ mu*m*g", "rub slips backwards"));
+    refused(&system("+ mu*m*g", "rub slips forwards"), "E506");
+}

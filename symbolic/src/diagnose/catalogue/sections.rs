@@ -79,4 +79,10 @@ super::entries! {
     E326 bad_record(name, why, help) "a record that cannot be followed"
         "`{name}` is no record: {why}" "" "{help}"
         "A record has a column of rising times and one for each quantity that was measured.";
+    E327 acts_in_all_phases() "what acts in one phase of contacts"
+        "`friction` and `contacts` decide by themselves what sticks, slips or is open, and nothing else acts in some of these phases only" "names a phase" "leave `phase` out; `checks`, `conserved` and `balances` may name what contacts do, `phase: rub sticks`"
+        "A force, an event or a scene of a file with contacts belongs to all phases: which of them comes next is decided by the forces.";
+    E328 two_modes(words) "two things that a contact does at once"
+        "no phase is `{words}`: a contact does one thing at a time" "" "write a list, `[rub slips forwards, rub slips backwards]`, for what holds in either"
+        "Between commas stands what several contacts do at once; a list names several phases.";
 }

@@ -51,7 +51,7 @@ impl<'a> Resolver<'a> {
                 continue;
             }
             let before = self.builder.problems.len();
-            let phases = self.phase_key(&system, &Self::no_locals()).flatten();
+            let phases = self.claimed_phases(&system, &Self::no_locals()).flatten();
             let phases = phases.unwrap_or_else(|| self.phases_of_a_system());
             let unknowns = self.unknowns(&system);
             let mut balances: Vec<Option<Balance>> = Vec::new();

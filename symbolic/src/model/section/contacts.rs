@@ -7,7 +7,7 @@ use super::loads::{AttachedTo, Draft, DraftPush, Drafts};
 use super::resolve_values::Want;
 use super::springs::Placement;
 use crate::diagnose::Place;
-use crate::diagnose::catalogue::{contacts, sections};
+use crate::diagnose::catalogue::{contacts, names, sections};
 use crate::diagnose::did_you_mean_or;
 use crate::expr::{Id, Symbol, vectors};
 use crate::file::{Quantity, Spot, Text, Written};
@@ -262,6 +262,46 @@ impl Resolver<'_> {
         let modes: Vec<&'static [ContactMode]> = self.contacts.iter().map(ContactText::modes).collect();
         let combinations = combinations(&modes).into_iter().enumerate();
         combinations.filter(|(_, modes)| is(modes[contact])).map(|(phase, _)| phase).collect()
+    }
+
+    /// The phases that an entry names by what contacts do in them: `rub sticks`, or `rub sticks, left slips forwards`, or a list of these.
+    pub(super) fn phases_in_words(&mut self, spot: &Spot<'_>) -> Option<Vec<usize>> {
+        let mut found = Vec::new();
+        for item in spot.items().unwrap_or_else(|| vec![spot.clone()]) {
+            let words = item.words(&mut self.builder.problems)?;
+            let mut phases: Vec<usize> = (0..self.model.phases.len()).collect();
+            for said in words.split(',').map(str::trim) {
+                let with = self.phases_in_which(said, &item.place)?;
+                phases.retain(|phase| with.contains(phase));
+            }
+            if phases.is_empty() {
+                self.builder.problems.push(sections::two_modes(item.place.clone(), words));
+                return None;
+            }
+            found.extend(phases);
+        }
+        found.sort_unstable();
+        found.dedup();
+        if found.is_empty() {
+            self.builder.problems.push(sections::empty_list(spot.place.of_key(), "phase", "phase"));
+        }
+        (!found.is_empty()).then_some(found)
+    }
+
+    /// The phases in which one contact is as `rub sticks` says.
+    fn phases_in_which(&mut self, said: &str, place: &Place) -> Option<Vec<usize>> {
+        let all: Vec<(usize, ContactMode)> =
+            self.contacts.iter().enumerate().flat_map(|(k, c)| c.modes().iter().map(move |mode| (k, *mode))).collect();
+        let names: Vec<String> =
+            all.iter().map(|(k, mode)| format!("{} {}", self.contacts[*k].name, mode.words())).collect();
+        if let Some(found) = names.iter().position(|name| name == said) {
+            let (contact, mode) = all[found];
+            return Some(self.phases_with(contact, |other| other == mode));
+        }
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let help = did_you_mean_or(said, &names);
+        self.builder.problems.push(names::unknown_phase(place.clone(), said, help));
+        None
     }
 
     /// The sign of the sliding rate while it slides, else 0.

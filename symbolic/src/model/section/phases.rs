@@ -73,8 +73,7 @@ impl Resolver<'_> {
     /// Outside, `None`: it is wrong (reported).
     pub fn phase_key(&mut self, entry: &Spot<'_>, locals: &Locals) -> Option<Option<Vec<usize>>> {
         let Some(spot) = entry.get("phase") else { return Some(None) };
-        if self.root.get("phases").is_none() {
-            self.builder.problems.push(sections::no_phases(spot.place.of_key()));
+        if !self.has_named_phases(&spot) {
             return None;
         }
         let before = self.builder.problems.len();
@@ -87,10 +86,29 @@ impl Resolver<'_> {
         (!phases.is_empty()).then_some(Some(phases))
     }
 
+    /// The phases in which an entry is claimed, as [`Resolver::phase_key`]; where contacts make the phases, those in which contacts do what
+    /// it says: `rub sticks`.
+    pub fn claimed_phases(&mut self, entry: &Spot<'_>, locals: &Locals) -> Option<Option<Vec<usize>>> {
+        match entry.get("phase").filter(|_| !self.contacts.is_empty()) {
+            Some(spot) => self.phases_in_words(&spot).map(Some),
+            None => self.phase_key(entry, locals),
+        }
+    }
+
+    /// Whether the file has phases by name (reported where not).
+    fn has_named_phases(&mut self, spot: &Spot<'_>) -> bool {
+        let place = spot.place.of_key();
+        match (self.root.get("phases").is_some(), self.contacts.is_empty()) {
+            (_, false) => self.builder.problems.push(sections::acts_in_all_phases(place)),
+            (false, true) => self.builder.problems.push(sections::no_phases(place)),
+            (true, true) => return true,
+        }
+        false
+    }
+
     /// The phase that a single name stands for.
     pub fn one_phase(&mut self, spot: &Spot<'_>, locals: &Locals) -> Option<usize> {
-        if self.root.get("phases").is_none() {
-            self.builder.problems.push(sections::no_phases(spot.place.of_key()));
+        if !self.has_named_phases(spot) {
             return None;
         }
         let text = spot.text(&mut self.builder.problems)?;

@@ -54,7 +54,7 @@ impl Resolver<'_> {
                 if value == Value::Poison {
                     continue;
                 }
-                let Some(phases) = self.phase_key(&spot, &member.locals) else { continue };
+                let Some(phases) = self.claimed_phases(&spot, &member.locals) else { continue };
                 let value = components(value, 1);
                 let terms = value.iter().map(|x| terms(&mut self.builder.graph, *x)).collect();
                 let place = spot.place.clone();
@@ -77,7 +77,7 @@ impl Resolver<'_> {
                     break;
                 }
                 let Some(text) = &text else { continue };
-                let Some(phases) = self.phase_key(&spot, &member.locals) else { continue };
+                let Some(phases) = self.claimed_phases(&spot, &member.locals) else { continue };
                 if let Some((left, right)) = self.sides(text, &member.locals) {
                     let place = spot.place.clone();
                     self.model.checks.push(Check { name, left, right, when: when.clone(), phases, place });
