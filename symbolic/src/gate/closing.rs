@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::rows::NEARLY;
 use super::state::State;
 use crate::derive::Rows;
 use crate::expr::{Graph, Id, Measured, Tape};
@@ -14,8 +15,8 @@ const STEPS: usize = 60;
 pub(super) const HOLDS: f64 = 1e-29;
 /// So many roundings of coordinates, one or two of each of a few, move a row without meaning.
 const ROUNDINGS: f64 = 16.0;
-/// Speeds are known to this part of themselves at least, twenty digits as all tests ask for, or they are known beside what they were before
-/// constraints took nearly all of them.
+/// Coordinates and speeds are known to this part of themselves at least, twenty digits as all tests ask for, or they are known beside what
+/// constraints bring them there with: a speed beside what it was before they took nearly all of it.
 const TOLD: f64 = 1e-20;
 
 /// Rows that share coordinates, directly or by way of others, ready to evaluate anywhere.
@@ -94,7 +95,7 @@ impl Group {
     }
 
     /// Moves the coordinates by the least change, measured by these weights (of all coordinates, 0 for what is held), until
-    /// the holonomic rows hold.
+    /// the holonomic rows hold, and notes what the coordinates are known beside.
     pub fn close_places(&self, state: &mut State, weights: &[f64]) -> bool {
         let mut damping = 1e-3;
         // What a constraint is made of on the way, where at its end it may be made of nothing.
@@ -102,9 +103,17 @@ impl Group {
         for _ in 0..STEPS {
             let c = self.values.measured(|s| state.value(s));
             let entries = self.entries(state);
-            match verdict(&c, &self.reach(&entries, &state.q), &mut sizes) {
+            let reach = self.reach(&entries, &state.q);
+            match verdict(&c, &reach, &mut sizes) {
                 Verdict::Undefined => return false,
-                Verdict::Holds => return true,
+                Verdict::Holds => {
+                    self.note_places(
+                        state,
+                        (&entries, weights),
+                        sizes.iter().zip(&reach).map(|(s, r)| held_to(*s, *r)),
+                    );
+                    return true;
+                }
                 Verdict::Off => {}
             }
             // Near the end nothing is damped, so that every step gains what an `f64` holds.
@@ -147,6 +156,17 @@ impl Group {
             self.add(&mut state.v, &step, weights);
         }
         false
+    }
+
+    /// Notes what its coordinates are known beside, where each of its rows is known to vanish to so much: rows of which one hardly stands out of the
+    /// others leave the more to them.
+    fn note_places(&self, state: &mut State, (entries, weights): (&[f64], &[f64]), held: impl Iterator<Item = f64>) {
+        let lines = self.lines(entries, self.holonomic, weights);
+        let scales = lengths(&lines, self.holonomic, self.coordinates.len());
+        let moved = held.zip(&scales).filter(|(_, scale)| **scale > 0.0).map(|(held, scale)| held / scale);
+        let off = moved.fold(0.0, f64::max) / (NEARLY * TOLD);
+        state.near.resize(state.q.len(), 0.0);
+        self.coordinates.iter().for_each(|i| state.near[*i] = state.near[*i].max(off * weights[*i]));
     }
 
     /// The largest of its speeds, measured by these weights.
@@ -211,12 +231,17 @@ fn verdict(residuals: &[Measured], reach: &[f64], sizes: &mut [f64]) -> Verdict 
         return Verdict::Undefined;
     }
     residuals.iter().zip(sizes.iter_mut()).for_each(|(c, size)| *size = size.max(c.magnitude));
-    let rounding = |reach: f64| if reach.is_finite() { ROUNDINGS * DoubleDouble::UNIT * reach } else { 0.0 };
     let mut rows = residuals.iter().zip(sizes.iter().zip(reach));
-    match rows.all(|(c, (size, reach))| c.value.abs().to_f64() <= (HOLDS * size).max(rounding(*reach))) {
+    match rows.all(|(c, (size, reach))| c.value.abs().to_f64() <= held_to(*size, *reach)) {
         true => Verdict::Holds,
         false => Verdict::Off,
     }
+}
+
+/// How near to zero a row is brought.
+fn held_to(size: f64, reach: f64) -> f64 {
+    let rounding = if reach.is_finite() { ROUNDINGS * DoubleDouble::UNIT * reach } else { 0.0 };
+    (HOLDS * size).max(rounding)
 }
 
 fn opposite(residuals: &[Measured]) -> Vec<f64> {

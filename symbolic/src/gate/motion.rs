@@ -218,7 +218,7 @@ impl Motion {
 
     /// Accelerations and multipliers: M a − (Jᵀ + B) λ = −h, J a = −γ with rows that are independent here.
     fn constrained(&self, state: &mut State) -> Result<(), Incomplete> {
-        let values = self.equations.measured(|s| state.value(s));
+        let values = self.equations.evaluate(|s| state.measured(s));
         let (rank, mut order) = self.constraints.rank(state);
         order.truncate(rank);
         let held = self.constraints.held(state, order);
@@ -320,25 +320,18 @@ impl Motion {
         let (numbers, sizes): (Vec<DoubleDouble>, Vec<f64>) = scaled.map(|x| (x.value, x.magnitude)).unzip();
         let factored = factor(&numbers, &sizes, size)?;
         let right_side: Vec<DoubleDouble> = right.iter().map(|x| -x.value).collect();
-        let mut found = factored.solve(&right_side);
-        // One step of refinement makes every row right by its own terms (Skeel 1980), those of constraints among them.
-        let left: Vec<DoubleDouble> = (0..size)
-            .map(|i| (0..size).fold(right_side[i], |rest, j| rest - numbers[i * size + j] * found[j]))
-            .collect();
-        for (x, correction) in found.iter_mut().zip(factored.solve(&left)) {
-            *x += correction;
-        }
+        let (found, known) = factored.refined(&numbers, &right_side);
         let errors: Vec<f64> = (0..size)
             .map(|i| {
-                let moving: f64 = (0..size).map(|j| sizes[i * size + j] * found[j].to_f64().abs()).sum();
+                let moving: f64 = (0..size).map(|j| sizes[i * size + j] * known[j]).sum();
                 moving + right[i].magnitude
             })
             .collect();
         let spread = factored.spread(&errors);
-        let measured = |k: usize| Measured { value: found[k], magnitude: spread[k].max(found[k].to_f64().abs()) };
+        let measured = |k: usize| Measured { value: found[k], magnitude: spread[k].max(known[k]) };
         // What constraints hold still is still because its forces cancel: these are its terms.
         let terms = |i: usize| {
-            let held: f64 = (n..size).map(|k| sizes[i * size + k] * found[k].to_f64().abs()).sum();
+            let held: f64 = (n..size).map(|k| sizes[i * size + k] * known[k]).sum();
             let inertia = sizes[i * size + i];
             if inertia > 0.0 { (right[i].magnitude + held) / inertia } else { 0.0 }
         };
@@ -368,15 +361,15 @@ impl Motion {
         }
         let factored = factor(&matrix, &sizes, n)?;
         let right: Vec<DoubleDouble> = block.iter().map(|&i| -bias[i].value).collect();
-        let found = factored.solve(&right);
+        let (found, known) = factored.refined(&matrix, &right);
         let errors: Vec<f64> = (0..n)
             .map(|i| {
-                let moving: f64 = (0..n).map(|j| sizes[i * n + j] * found[j].to_f64().abs()).sum();
+                let moving: f64 = (0..n).map(|j| sizes[i * n + j] * known[j]).sum();
                 moving + bias[block[i]].magnitude
             })
             .collect();
-        for ((&i, value), spread) in block.iter().zip(found).zip(factored.spread(&errors)) {
-            a[i] = Measured { value, magnitude: spread.max(value.to_f64().abs()) };
+        for (k, spread) in factored.spread(&errors).into_iter().enumerate() {
+            a[block[k]] = Measured { value: found[k], magnitude: spread.max(known[k]) };
         }
         Ok(())
     }

@@ -13,7 +13,7 @@ pub(super) const DEPENDENT: f64 = 1e-6;
 /// A state at which they are below this part cannot show twenty digits.  It meets the constraints to 1e-29 ([`HOLDS`]), and
 /// lies so much over the part beside them; multipliers grow as one over the part, and how they change with the position once more so.
 /// 1e-29 over the third power of this is 1e-20.
-const NEARLY: f64 = 1e-3;
+pub(super) const NEARLY: f64 = 1e-3;
 
 /// The constraints of a model, ready to evaluate anywhere.
 pub(super) struct Constraints {
@@ -190,7 +190,7 @@ impl Constraints {
 
     /// c' of all rows.
     pub fn rates(&self, state: &State) -> Vec<Measured> {
-        let mut rates = self.rates.measured(|s| state.value(s));
+        let mut rates = self.rates.evaluate(|s| state.measured(s));
         rates.truncate(self.holonomic.len());
         rates
     }
@@ -276,14 +276,14 @@ impl Constraints {
     /// J, γ and B of these rows at a state that meets them.
     pub fn held(&self, state: &State, rows: Vec<usize>) -> Held {
         let zero = Measured::exact(DoubleDouble::ZERO);
-        let rates = self.rates.measured(|s| state.value(s));
+        let rates = self.rates.evaluate(|s| state.measured(s));
         let mut matrix = vec![zero; rows.len() * self.n];
         for ((k, i), x) in self.places.iter().zip(&rates[self.holonomic.len()..]) {
             if let Some(place) = rows.iter().position(|row| row == k) {
                 matrix[place * self.n + i] = *x;
             }
         }
-        let loads = self.loads.measured(|s| state.value(s));
+        let loads = self.loads.evaluate(|s| state.measured(s));
         let bias = rows.iter().map(|k| loads[*k]).collect();
         let friction = self.rubbing.iter().zip(&loads[self.holonomic.len()..]);
         let friction = friction.filter_map(|((i, k), x)| Some((*i, rows.iter().position(|row| row == k)?, *x)));

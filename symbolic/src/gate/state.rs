@@ -19,7 +19,9 @@ pub struct State {
     pub q: Vec<DoubleDouble>,
     /// Speeds.
     pub v: Vec<DoubleDouble>,
-    /// What speeds that constraints have brought to their places are known beside; their own sizes where it is empty.
+    /// What coordinates that constraints have brought to their places are known beside; their own sizes where it is empty.
+    pub near: Vec<f64>,
+    /// The same of speeds.
     pub beside: Vec<f64>,
     /// Accelerations, with the scale of their rounding errors.
     pub a: Vec<Measured>,
@@ -64,6 +66,7 @@ impl State {
             t: DoubleDouble::ZERO,
             q: vec![DoubleDouble::ZERO; n],
             v: vec![DoubleDouble::ZERO; n],
+            near: Vec::new(),
             beside: Vec::new(),
             a: Vec::new(),
             phase: 0,
@@ -104,15 +107,17 @@ impl State {
         }
     }
 
-    /// A symbol's value with the scale of its rounding error; only accelerations, multipliers and speeds that constraints have brought
-    /// to their places have more than their own size.
+    /// A symbol's value with the scale of its rounding error; only accelerations, multipliers, and coordinates and speeds that constraints have
+    /// brought to their places have more than their own size.
     pub fn measured(&self, symbol: Symbol) -> Measured {
+        let known = |beside: &[f64], i: u32| {
+            let exact = Measured::exact(self.value(symbol));
+            let beside = beside.get(i as usize).copied().unwrap_or(0.0);
+            Measured { magnitude: exact.magnitude.max(beside), ..exact }
+        };
         match symbol {
-            Symbol::Speed(i) => {
-                let speed = Measured::exact(self.value(symbol));
-                let beside = self.beside.get(i as usize).copied().unwrap_or(0.0);
-                Measured { magnitude: speed.magnitude.max(beside), ..speed }
-            }
+            Symbol::Coordinate(i) => known(&self.near, i),
+            Symbol::Speed(i) => known(&self.beside, i),
             Symbol::Acceleration(i) => self.a.get(i as usize).copied().unwrap_or(Measured::exact(DoubleDouble::ZERO)),
             Symbol::Multiplier(k) => {
                 self.lambda.get(k as usize).copied().unwrap_or(Measured::exact(DoubleDouble::ZERO))

@@ -122,17 +122,14 @@ impl Assembled {
         }
         let factored = factor(&matrix, &sizes, self.size).ok()?;
         let right: Vec<DoubleDouble> = self.rest.iter().map(|x| -x.value).collect();
-        let found = factored.solve(&right);
+        let (found, known) = factored.refined(&matrix, &right);
         let lines = sizes.chunks(self.size.max(1)).zip(&self.rest);
         let error = |(line, rest): (&[f64], &Measured)| {
-            line.iter().zip(&found).map(|(m, x)| m * x.to_f64().abs()).sum::<f64>() + rest.magnitude
+            line.iter().zip(&known).map(|(m, x)| m * x).sum::<f64>() + rest.magnitude
         };
         let spread = factored.spread(&lines.map(error).collect::<Vec<f64>>());
-        let measured = |(value, spread): (&DoubleDouble, f64)| Measured {
-            value: *value,
-            magnitude: spread.max(value.to_f64().abs()),
-        };
-        Some(found.iter().zip(spread).map(measured).collect())
+        let magnitudes = spread.iter().zip(&known).map(|(spread, known)| spread.max(*known));
+        Some(found.iter().zip(magnitudes).map(|(x, magnitude)| Measured { value: *x, magnitude }).collect())
     }
 
     /// The same with the unknowns from some place on known.

@@ -11,6 +11,7 @@ mod loops;
 mod massless;
 mod reactions;
 mod slow;
+mod states;
 
 use dalembert_symbolic::lower::compile;
 

@@ -1,0 +1,102 @@
+//! States that are known to so many digits, and claims at the edge of what can be said: each beside a neighbour that is wrong.
+
+use super::{accepted, refused};
+
+#[test]
+fn what_constraints_keep_at_zero_may_be_claimed() {
+    let bar = |check: &str| {
+        format!(
+            "name: Bar
+parameters: {{m: 1 kg, l: 0.5 m, d: 1 m, J: 0.1 kg*m^2, g: 9.81 m/s^2}}
+coordinates: {{p: rad, x: m, y: m, th: rad}}
+points: {{A: \"[x, y] - d/2*[cos(th), sin(th)]\", B: \"[x, y] + d/2*[cos(th), sin(th)]\", P: \"l*[sin(p), cos(p)]\"}}
+bodies: {{bar: {{mass: m, inertia: J, angle: th, position: \"[x, y]\"}}}}
+gravity: [0, -g]
+constraints: {{a: A - P, level: \"B.y - A.y\"}}
+checks: {{c: \"{check}\"}}
+scene: {{start: {{p: 0.3}}, guess: {{th: 0, x: 0.5, y: 0.5}}, until: 1}}
+"
+        )
+    };
+    for check in ["sin(th) = 0", "th' = 0", "th'' = 0", "B.y = l*cos(p)"] {
+        accepted(&bar(check));
+    }
+    for check in ["sin(th) = 1e-9", "th' = 1e-9*p'", "th'' = 1e-9*p''", "B.y = (1 + 1e-9)*l*cos(p)"] {
+        refused(&bar(check), "E502");
+    }
+    let door = |check: &str| {
+        format!(
+            "name: Door
+parameters: {{m: 3 kg, A: 0.2 kg*m^2, B: 0.3 kg*m^2, C: 0.4 kg*m^2, l: 0.5 m, g: 9.81 m/s^2}}
+coordinates: {{at: rotation, x: m, y: m, z: m}}
+frames: {{F: {{rotate: at}}}}
+points: {{O: [0, 0, 0], P: \"[x, y, z] - l*F.x\"}}
+bodies: {{door: {{mass: m, inertia: [A, B, C], frame: F, position: \"[x, y, z]\"}}}}
+gravity: [0, -g, 0]
+joints: {{h: {{hinge: [door, ground], at: [P, O], axis: [F.z, ground.z]}}}}
+checks: {{c: \"{check}\"}}
+scene: {{start: {{at: {{vector: [0, 0, 0.3]}}}}, until: 2}}
+"
+        )
+    };
+    for check in ["moment(h) = [0, 0, 0]", "reaction(h).z = 0", "z = 0"] {
+        accepted(&door(check));
+    }
+    for check in ["moment(h) = [0, 0, 1e-9*m*g*l]", "reaction(h).z = 1e-9*m*g", "z = 1e-9*x"] {
+        refused(&door(check), "E502");
+    }
+}
+
+#[test]
+fn reactions_that_are_zero_are_equal() {
+    let rod = |check: &str, sign: &str| {
+        format!(
+            "name: Guided
+parameters: {{m: 1 kg, l: 0.5 m, g: 9.81 m/s^2, M: 2 kg}}
+coordinates: {{a: rad, x: m, y: m}}
+points: {{O: [0, 0], tip: \"l*[sin(a), -cos(a)]\"}}
+bodies:
+  rod: {{mass: M, inertia: M*l^2/12, angle: a, position: tip/2}}
+  bob: {{mass: m, position: \"[x, y]\"}}
+gravity: [0, -g]
+constraints: {{joint: \"tip - [x, y]\", rail: x}}
+balances:
+  equations:
+    - equation: \"[m*x'', m*y''] = [0, -m*g] {sign} F + [N, 0]\"
+    - moment: {{about: O, of: [rod]}}
+  reactions:
+    F: {{on: bob, from: rod}}
+    N: {{on: bob, along: ground.x}}
+checks: {{F: \"{check}\"}}
+scene: {{start: {{a: 0}}, guess: {{y: -0.5}}, until: 1}}
+"
+        )
+    };
+    accepted(&rod("F = -reaction(joint)", "+"));
+    refused(&rod("F = -reaction(joint)", "-"), "E");
+    refused(&rod("F = -(1 + 1e-9)*reaction(joint)", "+"), "E502");
+}
+
+#[test]
+fn what_friction_holds_still_leaves_reactions_alone() {
+    let brake = |equation: &str| {
+        format!(
+            "name: Brake
+parameters: {{m: 1 kg, M: 2 kg, F: 20 N}}
+coordinates: {{x: m, q: m}}
+bodies:
+  a: {{mass: M, position: \"[x, 0]\"}}
+  b: {{mass: m, position: \"[q, 0]\"}}
+forces: {{push: {{on: b, force: \"[F, 0]\"}}}}
+constraints: {{pad: q}}
+friction: {{rub: {{rate: q' - x', on: b, from: a, along: ground.x, limit: 5 N}}}}
+balances:
+  equations: [{{force: {{of: [a], along: ground.x}}}}, {{force: {{of: [b], along: ground.x}}}}, {{equation: \"{equation}\"}}]
+  reactions: {{N: {{on: b, along: ground.x}}}}
+scene: {{start: {{x': 1}}, until: 1}}
+"
+        )
+    };
+    accepted(&brake("N = reaction(pad)"));
+    refused(&brake("N = -reaction(pad)"), "E517");
+}
