@@ -18,6 +18,13 @@ use crate::diagnose::catalogue::verdicts;
 use crate::expr::{Graph, Id, Symbol, jacobian};
 use crate::model::{Balance, BalanceSystem, Model, rate_name};
 
+/// Operations that solving systems for accelerations may cost.
+const SOLVED: usize = 100_000_000;
+/// What solving makes of roundings, some thousand of them, and of what constraints are held to.
+const ROUNDED: f64 = 1e-28;
+/// An acceleration that differs by this part of its terms is wrong.
+const ROW: f64 = 1e-9;
+
 /// Compares every system at every state.
 pub(super) fn agree(
     model: &mut Model,
@@ -34,11 +41,14 @@ pub(super) fn agree(
         let of_phase = |state: &&State| system.phases.contains(&state.phase);
         let own: Vec<State> = states.iter().filter(of_phase).cloned().collect();
         let agreement = match &linear.unformed {
-            Some(unformed) => unformed::agree(model, (system, unformed), &own, gate),
+            Some(unformed) => unformed::agree(model, (system, unformed), &own, gate).map(|agreement| (agreement, None)),
             None => compare(model, system, linear, &own, gate),
         };
         match agreement {
-            Ok(agreement) => agreements.push(agreement),
+            Ok((agreement, hidden)) => {
+                agreements.push(agreement);
+                alone.extend(hidden);
+            }
             Err(problem) => problems.push(*problem),
         }
     }
@@ -137,7 +147,7 @@ fn compare(
     linear: &Momentum,
     states: &[State],
     gate: Gate,
-) -> Result<Agreement, Box<Problem>> {
+) -> Result<(Agreement, Option<String>), Box<Problem>> {
     let assembled = Assembled::derived(&model.graph, linear, states);
     let silent = |equation: usize| {
         let line = |a: &Assembled| a.matrix[equation * a.size..][..a.size].to_vec();
@@ -158,11 +168,56 @@ fn compare(
         }
         worst = worst.max(found.relative);
     }
+    let solved = Solved::of(&assembled, states);
+    if let Some(k) = solved.differs.filter(|_| gate.rows) {
+        let found = residual(&assembled[k], &states[k], gate);
+        return Err(Box::new(disagreement(model, system, linear, (&assembled[k], &states[k]), &found, states, gate)));
+    }
+    let hidden = solved.words(model, system);
     if !assembled.iter().any(|a| a.solution().is_some()) {
         let state = states.first().map_or_else(String::new, |s| describe(model, s));
         return Err(Box::new(verdicts::balances_singular(system.place.clone(), &system.name, state)));
     }
-    Ok(Agreement { between: ("Lagrange".to_owned(), system.name.clone()), states: states.len(), worst })
+    let agreement = Agreement { between: ("Lagrange".to_owned(), system.name.clone()), states: states.len(), worst };
+    Ok((agreement, hidden))
+}
+
+/// The accelerations that a system gives by itself, beside Lagrange's: every equation may hold by its own terms, and those of a heavy body hide
+/// what moves a light one.
+struct Solved {
+    /// The first state at which they differ.
+    differs: Option<usize>,
+    /// To which part of its terms each is told from rounding, where it is told best.
+    told: Vec<f64>,
+}
+
+impl Solved {
+    fn of(assembled: &[Assembled], states: &[State]) -> Solved {
+        let size = assembled.first().map_or(1, |a| a.size.max(1));
+        let affordable = (SOLVED / size.pow(3)).max(1);
+        let mut solved = Solved { differs: None, told: vec![f64::INFINITY; states.first().map_or(0, |s| s.a.len())] };
+        for (k, (a, state)) in assembled.iter().zip(states).enumerate().take(affordable) {
+            for ((x, y), told) in a.solution().iter().flatten().zip(&state.a).zip(&mut solved.told) {
+                let gap = (x.value - y.value).abs().to_f64();
+                let rounding = ROUNDED * (x.magnitude + y.magnitude);
+                if gap > rounding.max(ROW * y.magnitude) {
+                    solved.differs = solved.differs.or(Some(k));
+                }
+                *told = told.min(if rounding > 0.0 { rounding / y.magnitude } else { 0.0 });
+            }
+        }
+        solved
+    }
+
+    /// What is not told, in words.
+    fn words(&self, model: &Model, system: &BalanceSystem) -> Option<String> {
+        let told = self.told.iter().enumerate().filter(|(_, told)| **told > ROW && told.is_finite());
+        let (i, told) = told.max_by(|a, b| a.1.total_cmp(b.1))?;
+        let (name, rate) = (&system.name, rate_name(&model.coordinates[i].name, 2));
+        Some(format!(
+            "`{name}` tells {rate} from rounding to {told:.0e} of its terms only: its equations have terms of very different sizes"
+        ))
+    }
 }
 
 /// The error: what the system gives, which balance is off, and what would mend it.
@@ -182,7 +237,14 @@ fn disagreement(
     let mut graph = model.graph.clone();
     let in_terms: Vec<Vec<Row>> = evaluate(&mut graph, &finer, &linear.unknowns, states);
     let in_parts: Vec<Vec<Row>> = evaluate(&mut graph, system, &linear.unknowns, states);
-    let help = cause(model, &finer, system, balance, (&in_terms, &in_parts), states, gate);
+    let help = match found.agrees {
+        // Each equation holds by its own terms, so that no change of one term tells.
+        true => {
+            "terms of very different sizes hide which of them it is: take balances in which large ones do not stand"
+                .to_owned()
+        }
+        false => cause(model, &finer, system, balance, (&in_terms, &in_parts), states, gate),
+    };
     let label = &system.balances[balance].label;
     let off = found.relative;
     let worst = format!("{label} is off by {off:.1e} of its terms, at {}", describe(model, state));

@@ -100,3 +100,25 @@ scene: {{start: {{x': 1}}, until: 1}}
     accepted(&brake("N = reaction(pad)"));
     refused(&brake("N = -reaction(pad)"), "E517");
 }
+
+#[test]
+fn a_heavy_body_does_not_hide_what_moves_a_light_one() {
+    let equations = |mass: &str, force: &str| {
+        format!(
+            "name: T
+parameters: {{m: 1 kg, M: {mass} kg, g: 9.81 m/s^2, k: 1 N/m}}
+coordinates: {{x: m, y: m}}
+bodies: {{a: {{mass: m, position: \"[x, 0]\"}}, b: {{mass: M, position: \"[0, y]\"}}}}
+gravity: [0, -g]
+springs: {{s: {{stretch: x, stiffness: k, on: a, along: \"[1, 0]\"}}}}
+balances: {{equations: [{{equation: \"m*x'' + M*y'' = {force} - M*g\"}}, {{equation: \"M*y'' = -M*g\"}}]}}
+scene: {{start: {{x: 1}}, until: 1}}
+"
+        )
+    };
+    for mass in ["1", "1e16", "1e22"] {
+        accepted(&equations(mass, "-k*x"));
+        refused(&equations(mass, "-2*k*x"), "E506");
+    }
+    refused(&equations("1e16", "-(1 + 1e-6)*k*x"), "E506");
+}
