@@ -3,8 +3,11 @@
 //! They fold 0, 1 and constants, pull signs outwards, put constants in front, collect like terms of two, cancel
 //! x − x and x/x, and put the operands of sums and products in the order of the arena.
 
-use super::{Binary, Graph, Id, Node, Scalar, Symbol, Unary};
+use super::{Binary, Graph, Id, Measured, Node, Scalar, Symbol, Unary};
 use crate::number::{DoubleDouble, Number};
+
+/// A constant within so many roundings of zero, twenty digits of thirty-two, is none: it stays the function that it is.
+const NEARLY_ROUNDING: f64 = 1e12;
 
 impl Graph {
     /// −x.
@@ -366,8 +369,12 @@ impl Graph {
             _ => None,
         };
         let folded = exact.unwrap_or_else(|| DoubleDouble::unary(function, value.to_double_double()).into());
-        // Values that are not finite stay nodes.
-        folded.is_finite().then(|| self.constant(folded))
+        // Values that are not finite stay nodes, and those that are nearly rounding, as sin(1000 π): a constant counts as exact.
+        let known = exact.is_some() || {
+            let measured = Measured::unary(function, Measured::exact(value.to_double_double()));
+            measured.value == DoubleDouble::ZERO || !measured.vanishes(NEARLY_ROUNDING)
+        };
+        (folded.is_finite() && known).then(|| self.constant(folded))
     }
 
     /// y where x = −y for a node or a negative constant.

@@ -4,6 +4,9 @@ use super::scalar::Scalar;
 use super::{Binary, Unary};
 use crate::number::DoubleDouble;
 
+/// So many roundings, twenty digits of thirty-two, lead out of where a function is defined.
+const BEYOND: f64 = 1e12;
+
 /// A value, and a magnitude m ≥ |value| such that its rounding error is some units u of the working precision
 /// ([`DoubleDouble::UNIT`]) times m, however much cancelled on the way:
 ///
@@ -12,7 +15,8 @@ use crate::number::DoubleDouble;
 ///
 /// So (a − b) c and a c − b c have one measure where c is exact, and a product of two narrow functions is known as well as they are; the
 /// last part of m(x y) is what both errors make together, which counts where both are nothing.  Where f' is not
-/// finite (the root at 0, the arcsine at ±1) the error that u m(x) makes takes the place of the tangent.  `sign` and
+/// finite (the root at 0, the arcsine at ±1) the error that u m(x) makes takes the place of the tangent, and what lies beyond these by its
+/// rounding lies at them.  `sign` and
 /// `step` have the magnitude of their value; whether rounding decided them, [`Measured::vanishes`] tells of the argument.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
@@ -35,6 +39,18 @@ impl Measured {
         size <= rounding && self.magnitude.is_finite()
     }
 
+    /// Itself, or the edge of where a function is defined where it lies beyond by its rounding alone.
+    fn within_reach_of(self, function: Unary) -> Measured {
+        let one = if self.value < DoubleDouble::ZERO { -DoubleDouble::ONE } else { DoubleDouble::ONE };
+        let edge = match function {
+            Unary::Sqrt if self.value < DoubleDouble::ZERO => DoubleDouble::ZERO,
+            Unary::Asin | Unary::Acos if self.value.abs() > DoubleDouble::ONE => one,
+            _ => return self,
+        };
+        let beyond = Measured { value: self.value - edge, ..self };
+        if beyond.vanishes(BEYOND) { Measured { value: edge, ..self } } else { self }
+    }
+
     /// |value|/m, between 0 and 1; 0 for 0, and for what is too small to have all its digits.
     pub fn relative(self) -> f64 {
         let size = self.value.to_f64().abs();
@@ -48,6 +64,7 @@ impl Scalar for Measured {
     }
 
     fn unary(function: Unary, x: Measured) -> Measured {
+        let x = x.within_reach_of(function);
         let (at, m, unit) = (x.value.to_f64(), x.magnitude, DoubleDouble::UNIT);
         let value = DoubleDouble::unary(function, x.value);
         let f = value.to_f64();

@@ -122,3 +122,38 @@ scene: {{start: {{x: 1}}, until: 1}}
     }
     refused(&equations("1e16", "-(1 + 1e-6)*k*x"), "E506");
 }
+
+#[test]
+fn edges_of_functions_are_met_by_rounding() {
+    let pendulum = |check: &str| {
+        format!(
+            "name: T
+parameters: {{m: 1 kg, l: 1 m, g: 9.81 m/s^2}}
+coordinates: {{th: rad}}
+bodies: {{b: {{mass: m, inertia: m*l^2/12, angle: th, position: \"l*[sin(th), -cos(th)]\"}}}}
+gravity: [0, -g]
+checks: {{c: \"{check}\"}}
+scene: {{start: {{th: 1}}, until: 1}}
+"
+        )
+    };
+    for check in [
+        "acos(dot(unit(position(b)), -b.y)) = 0",
+        "sqrt(sin(th)^2 + cos(th)^2 - 1) = 0",
+        "asin(norm([sin(th), cos(th)])) = pi/2",
+        "sin(1000*pi) = 0",
+        "cos(100001*pi/2) = 0",
+        "tan(1e6*pi) = 0",
+    ] {
+        accepted(&pendulum(check));
+    }
+    for check in [
+        "acos(dot(unit(position(b)), -b.y)) = 1e-3",
+        "sqrt(sin(th)^2 + cos(th)^2 - 1.001) = 0",
+        "asin(norm([sin(th), cos(th)])) = pi/2 + 1e-3",
+        "sin(1000*pi) = 1e-9",
+        "sin(1000*pi + 1e-9) = 0",
+    ] {
+        refused(&pendulum(check), "E502");
+    }
+}

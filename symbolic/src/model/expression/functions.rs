@@ -8,8 +8,9 @@ use super::scope::{Member, Section, TableKind};
 use super::value::Value;
 use crate::diagnose::catalogue::{mechanics, names, states};
 use crate::diagnose::did_you_mean;
-use crate::expr::{Binary, Id, Symbol, Unary, vectors};
+use crate::expr::{Binary, Id, Scalar, Symbol, Unary, vectors};
 use crate::language::{Ast, AstKind, FUNCTIONS, Span, function, written_here};
+use crate::number::DoubleDouble;
 
 /// What stands for a delay: Padé's approximation of order 1, of which the phase lags by ωτ to (ωτ)³/12.
 fn lag(name: &str) -> String {
@@ -162,8 +163,8 @@ impl Lower<'_> {
             }
         };
         let result = graph.unary(unary, first);
-        // What a constant gives is a constant, unless it is not finite.
-        if graph.number(first).is_some() && graph.number(result).is_none() {
+        let value = graph.number(first).map(|x| DoubleDouble::unary(unary, x.to_double_double()));
+        if value.is_some_and(|value| !value.is_finite()) {
             let words = self.text.words(span);
             return self.refuse(names::undefined_value(self.place(span), words));
         }
