@@ -1,6 +1,6 @@
 //! Arguments of functions that change at a zero of theirs, or say something only where theirs is of order one.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::motion::Motion;
 use super::state::State;
@@ -54,6 +54,10 @@ pub(super) struct Points {
     pub argument: Argument,
 }
 
+/// A power of so much says nothing where its base is small, and is all there is where it is large.
+const HIGH_POWER: usize = 5;
+/// Products of more factors are not looked at.
+const FACTORS: usize = 200;
 /// So many arguments are followed.
 pub(super) const ARGUMENTS: usize = 48;
 
@@ -75,6 +79,10 @@ pub(super) fn arguments(model: &Model) -> (Vec<Argument>, usize) {
                 (Some(x), _) => (x, true),
                 (_, Node::Unary(f, x)) if is_local(f) => (x, false),
                 (_, Node::Binary(Binary::Pow, x, _) | Node::Binary(Binary::Div, _, x)) => (x, false),
+                (_, Node::Binary(Binary::Mul, ..)) => match high_power(&mut graph, node) {
+                    Some(x) => (x, false),
+                    None => continue,
+                },
                 _ => continue,
             },
         };
@@ -99,6 +107,29 @@ pub(super) fn arguments(model: &Model) -> (Vec<Argument>, usize) {
         Argument { fades, ..argument(&graph, model, value, switches) }
     };
     (found.into_iter().take(ARGUMENTS).map(argument).collect(), more)
+}
+
+/// x of a product c xᵏ … with a high power, by which c is of order one: c^(1/k) x, c being a number.
+fn high_power(graph: &mut Graph, product: Node) -> Option<Id> {
+    let Node::Binary(Binary::Mul, a, b) = product else { return None };
+    let factor = match graph.node(a) {
+        Node::Number(place) => graph.number_at(place).to_f64().abs(),
+        _ => 1.0,
+    };
+    let mut open = if factor == 1.0 { vec![a, b] } else { vec![b] };
+    let mut powers: BTreeMap<Id, usize> = BTreeMap::new();
+    let mut seen = 0;
+    while let Some(id) = open.pop() {
+        seen += 1;
+        match graph.node(id) {
+            _ if seen > FACTORS => return None,
+            Node::Binary(Binary::Mul, x, y) => open.extend([x, y]),
+            _ => *powers.entry(id).or_default() += 1,
+        }
+    }
+    let (base, power) = powers.into_iter().max_by_key(|(_, power)| *power).filter(|(_, power)| *power >= HIGH_POWER)?;
+    let scale = graph.float(factor.powf(1.0 / power as f64));
+    Some(graph.mul(scale, base))
 }
 
 /// The tables that move, in everything that is judged, each of each argument once.

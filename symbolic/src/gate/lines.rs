@@ -118,7 +118,7 @@ pub(super) fn grid(base: &State, line: &Line<'_>) -> Vec<f64> {
     let even = |low: f64, high: f64, n: usize| (0..=n).map(move |k| low + (high - low) * k as f64 / n as f64);
     let around = |middle: f64, scale: f64| {
         let mut places: Vec<f64> = even(-8.0 * scale, 8.0 * scale, 48).collect();
-        places.push(middle);
+        places.extend([0.0, middle]);
         for k in -12..=3 {
             let far = scale * 10_f64.powi(k);
             places.extend([far, -far, middle + far, middle - far]);

@@ -157,3 +157,26 @@ scene: {{start: {{th: 1}}, until: 1}}
         refused(&pendulum(check), "E502");
     }
 }
+
+#[test]
+fn every_coordinate_is_tried_at_zero_and_where_a_high_power_is_of_order_one() {
+    let two = |check: &str| {
+        format!(
+            "name: T
+parameters: {{m: 1 kg, k: 3 N/m, E: 1 J}}
+coordinates: {{x: m, th: rad}}
+bodies: {{a: {{mass: m, position: \"[x, 0]\"}}, b: {{mass: m, inertia: 1 kg*m^2, angle: th, position: [0, 0]}}}}
+springs: {{s: {{stretch: x, stiffness: k, on: a, along: \"[1, 0]\"}}}}
+checks: {{c: \"{check}\"}}
+scene: {{start: {{x: 0.1, th: 0.2}}, until: 2}}
+"
+        )
+    };
+    for q in ["x", "th"] {
+        refused(&two(&format!("step({q})*step(-{q}) = 0")), "E502");
+        refused(&two(&format!("sign({q})^2 = 1")), "E502");
+        accepted(&two(&format!("step({q})*step(-{q}) + sign({q})^2 = 1")));
+    }
+    refused(&two("potential_energy = k*x^2/2 + E*(th/300)^12"), "E502");
+    accepted(&two("potential_energy + E*(th/300)^12 = k*x^2/2 + E*(th^3/2.7e7)^4"));
+}
