@@ -96,9 +96,16 @@ fn jump(model: &Model, invariant: &Conserved, surfaces: &[State], gate: Gate) ->
     if switches.is_empty() {
         return None;
     }
+    let arguments: Vec<Id> = switches.iter().map(|switch| switch.argument).collect();
+    let ways: Vec<Tape> = rates(&mut graph, &arguments).iter().map(|rate| Tape::new(&graph, &[*rate])).collect();
     let sides = Sides::new(&graph, &roots, &switches);
     surfaces.iter().find_map(|state| {
-        let Crossing { before, after, .. } = sides.at(state)?;
+        // No motion crosses where what vanishes stays zero.
+        let way = |k: usize, modes: &[f64]| {
+            let rate = ways[k].evaluate(|s| with_modes(state, modes, s))[0];
+            if rate.vanishes(super::ROUNDINGS) { 0.0 } else { rate.value.to_f64().signum() }
+        };
+        let Crossing { before, after, .. } = sides.along(state, way)?;
         let largest = before.iter().chain(&after).fold(0.0_f64, |most, x| most.max(x.magnitude));
         before.iter().zip(&after).find_map(|(x, y)| {
             let gap = (x.value - y.value).abs().to_f64();
@@ -137,7 +144,12 @@ impl Sides {
 
     /// The values with the modes of what vanishes here on one side and on the other; `None` where nothing vanishes.
     pub fn at(&self, state: &State) -> Option<Crossing> {
-        let side = |positive: bool| {
+        self.along(state, |_, _| 1.0)
+    }
+
+    /// The same where each argument that vanishes goes its own way, by its place and the modes before it: up, down, or not at all.
+    fn along(&self, state: &State, way: impl Fn(usize, &[f64]) -> f64) -> Option<Crossing> {
+        let side = |after: f64| {
             let (mut modes, mut met): (Vec<f64>, Vec<usize>) = (Vec::new(), Vec::new());
             for (k, (kind, tape)) in self.arguments.iter().enumerate() {
                 let argument = tape.evaluate(|s| with_modes(state, &modes, s))[0];
@@ -145,13 +157,13 @@ impl Sides {
                 if zero {
                     met.push(k);
                 }
-                let value = if zero { if positive { 1.0 } else { -1.0 } } else { argument.value.to_f64() };
+                let value = if zero { after * way(k, &modes) } else { argument.value.to_f64() };
                 let function = if *kind == SwitchKind::Sign { Unary::Sign } else { Unary::Step };
                 modes.push(f64::unary(function, value));
             }
             (self.values.evaluate(|s| with_modes(state, &modes, s)), met, modes)
         };
-        let ((before, met, modes), (after, met_after, _)) = (side(false), side(true));
+        let ((before, met, modes), (after, met_after, _)) = (side(-1.0), side(1.0));
         let nothing = met.is_empty() && met_after.is_empty();
         (!nothing).then_some(Crossing { before, after, met, modes })
     }

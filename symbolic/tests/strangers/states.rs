@@ -180,3 +180,33 @@ scene: {{start: {{x: 0.1, th: 0.2}}, until: 2}}
     refused(&two("potential_energy = k*x^2/2 + E*(th/300)^12"), "E502");
     accepted(&two("potential_energy + E*(th/300)^12 = k*x^2/2 + E*(th^3/2.7e7)^4"));
 }
+
+/// A bob that is pulled to the origin, with a claim.
+fn bob(spring: &str, more: &str) -> String {
+    format!(
+        "name: Bob
+parameters: {{m: 1 kg, k: 1 N/m, g: 2 m/s^2, mu: 1 m^3/s^2}}
+coordinates: {{x: m, y: m}}
+bodies: {{b: {{mass: m, position: \"[x, y]\"}}}}
+springs: {{s: {{between: [\"[0, 0]\", b], {spring}}}}}
+{more}
+scene: {{start: {{x: 1, y': 1.2}}, until: 10}}
+"
+    )
+}
+
+#[test]
+fn nothing_jumps_where_no_motion_crosses() {
+    let way = "conserved: {way: \"sign(x*y' - y*x')\"}";
+    accepted(&bob("stiffness: k", way));
+    refused(&bob("stiffness: k", &format!("gravity: [0, -g]\n{way}")), "E513");
+    let periapsis = |claim: &str| {
+        let h = "(x*y' - y*x')";
+        let define = format!("define: {{ex: \"y'*{h}/mu - x/norm(b)\", ey: \"-x'*{h}/mu - y/norm(b)\"}}");
+        bob("energy: -m*mu/length", &format!("{define}\nconserved: {{p: \"{claim}\"}}"))
+    };
+    accepted(&periapsis("atan2(ey, ex)"));
+    refused(&periapsis("atan2(y, x)"), "E501");
+    // One argument rises while the other falls.
+    refused(&bob("stiffness: k", "conserved: {c: \"sign(x) + sign(y)\"}"), "E513");
+}
