@@ -69,7 +69,7 @@ pub(super) fn counted_twice(
             }
         }
     }
-    for force in effects.iter().filter(|e| e.kind == Kind::Force && e.coordinate.is_none()) {
+    for force in effects.iter().filter(|e| e.kind == Kind::Force) {
         let others = effects.iter().filter(|e| matches!(e.kind, Kind::Gravity | Kind::Spring | Kind::Resistance));
         for other in others {
             let same = Group {

@@ -1,5 +1,6 @@
 //! States that are known to so many digits, and claims at the edge of what can be said: each beside a neighbour that is wrong.
 
+use super::energies::warned;
 use super::{accepted, refused};
 
 #[test]
@@ -209,4 +210,24 @@ fn nothing_jumps_where_no_motion_crosses() {
     refused(&periapsis("atan2(y, x)"), "E501");
     // One argument rises while the other falls.
     refused(&bob("stiffness: k", "conserved: {c: \"sign(x) + sign(y)\"}"), "E513");
+}
+
+#[test]
+fn generalized_forces_that_repeat_gravity_or_a_spring_are_warned_of() {
+    let ball = |force: &str| {
+        format!(
+            "name: Ball
+parameters: {{m: 2 kg, g: 9.81 m/s^2, k: 20 N/m}}
+coordinates: {{y: m}}
+bodies: {{ball: {{mass: m, position: \"[0, y]\"}}}}
+gravity: [0, -g]
+springs: {{s: {{stretch: y, stiffness: k, along: ground.y, on: ball}}}}
+generalized_forces: {{y: {force}}}
+scene: {{start: {{y: 0.1 m}}, until: 3}}
+"
+        )
+    };
+    assert_eq!(warned(&ball("-m*g")), ["W419"]);
+    assert_eq!(warned(&ball("-k*y")), ["W419"]);
+    assert!(warned(&ball("-2*k*y")).is_empty());
 }
