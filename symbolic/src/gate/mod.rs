@@ -1,6 +1,6 @@
 //! The gate: what must hold before a model compiles.
 //!
-//! 1. States to judge at: look in `states`.
+//! 1. States to judge at: look in `states`; where phases of contacts may be: `contact_states`.
 //! 2. The routes from energies and from bodies agree, entry by entry: look in `agreement`.
 //! 3. It does not matter which body takes a load at a hinge: look in `hinge_ambiguity`.
 //! 4. Systems of momentum balances hold, and determine the motion: look in `balances`; what would mend one that does
@@ -113,7 +113,7 @@ pub struct Judged {
 pub struct Gate {
     /// Twenty digits, not nine.
     pub digits: bool,
-    /// Every row by its own measure, not by the largest of all; groups of coordinates moving alone.
+    /// Every row by its own measure, not by the largest of all; accelerations that rows hide; groups of coordinates moving alone.
     pub rows: bool,
     /// States from the motion.
     pub motion: bool,
@@ -220,12 +220,15 @@ impl Gate {
         problems.extend(impacts::elsewhere(model, rows, &motion, &states));
         let rates = claims::invariant_rates(model);
         let model = &*model;
-        let states_when = |when: &[(usize, f64)]| match when {
+        let states_when = |when: &[(usize, f64)], (place, name): (&Place, &str)| match when {
             [] => Ok(states.clone()),
-            _ => states::states(model, &motion, when, &own, self).map_err(|problem| vec![*problem]),
+            _ => states::states(model, &motion, when, &own, self).map_err(|problem| match problem.code {
+                "E504" => vec![verdicts::too_few_states_when(place.clone().key("when"), name)],
+                _ => vec![*problem],
+            }),
         };
         for (invariant, rates) in model.conserved.iter().zip(&rates) {
-            let states = states_when(&invariant.when)?;
+            let states = states_when(&invariant.when, (&invariant.place, &invariant.name))?;
             match claims::conserved(model, &equations[0], &report.forces, (invariant, rates), &states, self) {
                 Ok(worst) => {
                     report.conserved.push((invariant.name.clone(), worst));
@@ -235,7 +238,7 @@ impl Gate {
             }
         }
         for check in &model.checks {
-            let states = states_when(&check.when)?;
+            let states = states_when(&check.when, (&check.place, &check.name))?;
             match claims::identity(model, check, &states, self) {
                 Ok(worst) => report.checks.push((check.name.clone(), worst)),
                 Err(problem) => problems.push(*problem),

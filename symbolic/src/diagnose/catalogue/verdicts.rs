@@ -70,4 +70,7 @@ super::entries! {
     E523 not_a_period(period, what, by, state) "a period that is none"
         "after {period} s {what} is not what it was: it differs by {by}" "not a period of what acts" "at {state}; write it with the frequency of the inputs, `2*pi/w`, in all its digits"
         "A mechanism that depends on time goes on as it began only after a time in which all of that repeats itself.";
+    E524 too_few_states_when(name) "a condition at which nothing is defined"
+        "too few random states are usable where the condition of `{name}` holds" "" "where the model divides by what is 0 there, say what it is for with a small number, or leave `when` out"
+        "What is claimed under a condition is tested at states with the parameters that it names; where accelerations or the claim are not finite nothing can be tested.";
 }
