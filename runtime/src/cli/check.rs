@@ -14,7 +14,7 @@ use serde_json::Value;
 
 use super::json::{number, object, write};
 use super::load::{Loaded, ModelFile, derived_for_runs, sizes};
-use super::{Context, Problem, freedoms, routh, symmetries};
+use super::{Context, Problem, freedoms, outputs, routh, symmetries};
 use crate::mechanism::{At, Balances, Interpreted, System};
 use crate::numbers::counted;
 
@@ -110,7 +110,11 @@ fn one(context: Context<'_>, name: &str, options: &ArgMatches, out: &mut dyn Wri
     for force in &program.report.forces {
         writeln!(out, "  {}", nature(force, &program))?;
     }
-    write!(out, "{}", file::render(&text.path, &text.source, &program.model.warnings))?;
+    let warnings = file::render(&text.path, &text.source, &program.model.warnings);
+    match outputs::is_quiet(options) {
+        true => eprint!("{warnings}"),
+        false => write!(out, "{warnings}")?,
+    }
     structure(&program, out)?;
     if options.get_flag("routh") {
         write!(out, "{}", routh::lines(&program))?;
