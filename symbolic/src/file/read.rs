@@ -76,8 +76,13 @@ fn explain(text: &str, error: &serde_yaml::Error) -> Vec<Problem> {
     if !problems.is_empty() {
         return problems;
     }
-    let at = error.location().map_or(0, |place| byte_at(text, place.line(), place.column()));
     let what = error.to_string();
+    let control = |c: char| c.is_control() && !"\t\n\r\u{85}".contains(c);
+    // No place is told of these.
+    let at = match text.find(control).filter(|_| what.contains("control characters")) {
+        Some(at) => at,
+        None => error.location().map_or(0, |place| byte_at(text, place.line(), place.column())),
+    };
     if what.contains(KEY_WANTED) {
         return vec![complex_key(text, at)];
     }

@@ -189,3 +189,10 @@ fn a_span_at_the_end_of_a_scalar_is_empty_and_in_place() {
     let range = locate(text, &[&Place::default().key("a").at(Span::new(90, 99))]).remove(0);
     assert!(range.end <= text.len());
 }
+
+#[test]
+fn control_characters_are_shown_where_they_stand() {
+    assert_eq!(codes("name: T\nabout: x\n# a\u{c}b\n"), ["E001 3:4"]);
+    assert_eq!(codes("name: T\nabout: \u{1}x\n"), ["E001 2:8"]);
+    assert!(read("name: T\nabout: \"a\tb\"\n").is_ok());
+}

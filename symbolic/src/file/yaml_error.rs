@@ -38,6 +38,9 @@ pub(super) fn yaml_error(text: &str, at: usize, what: &str) -> Problem {
     if what.contains("cannot start any token") && next == Some('\t') {
         return yaml::not_yaml(place, "a tab cannot indent", "indent with blanks");
     }
+    if what.contains("control characters") {
+        return yaml::not_yaml(place, "a control character cannot stand in a file", "remove it");
+    }
     if what.contains("escape") {
         return yaml::not_yaml(place, "an unknown escape", "write `\\\\` for a backslash");
     }
