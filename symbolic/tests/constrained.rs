@@ -107,7 +107,10 @@ fn a_wrong_balance_does_not_compile() {
     ];
     for (text, right, wrong) in wrong {
         let problems = refused(&text.replace(right, wrong));
-        assert!(problems.iter().any(|p| ["E506", "E512"].contains(&p.code)), "{wrong}: {:?}", codes(&problems));
+        assert!(problems.iter().any(|p| ["E506", "E512", "E517"].contains(&p.code)), "{wrong}: {:?}", codes(&problems));
+        // The equation of the reaction is wrong, not the balance in which it stands.
+        let of_reaction = wrong.contains("reaction(");
+        assert_eq!(problems.iter().any(|p| p.code == "E517"), of_reaction, "{wrong}: {:?}", codes(&problems));
     }
 }
 

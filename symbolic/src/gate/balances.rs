@@ -5,16 +5,17 @@
 //! somewhere the system must determine the accelerations by itself.
 
 use super::Gate;
-use super::causes::cause;
+use super::causes::Causes;
 use super::motion::Motion;
 use super::report::Agreement;
-use super::results;
+use super::results::{self, Values};
 use super::state::{State, describe};
-use super::system::{Assembled, Row, evaluate};
+use super::suspects::{Suspect, suspects};
+use super::system::Assembled;
 use super::unformed;
 use crate::derive::momentum::Momentum;
-use crate::diagnose::Problem;
 use crate::diagnose::catalogue::verdicts;
+use crate::diagnose::{Problem, listed};
 use crate::expr::{Graph, Id, Symbol, jacobian};
 use crate::model::{Balance, BalanceSystem, Model, rate_name};
 
@@ -33,7 +34,8 @@ pub(super) fn agree(
     gate: Gate,
 ) -> Result<(Vec<Agreement>, Vec<String>), Vec<Problem>> {
     let (mut agreements, mut alone, mut problems) = (Vec::new(), Vec::new(), Vec::new());
-    for (system, linear) in model.balances.clone().iter().zip(momentum) {
+    let (systems, mut sound) = (model.balances.clone(), Vec::new());
+    for (system, linear) in systems.iter().zip(momentum) {
         if linear.is_nonlinear(&model.graph) {
             problems.extend(nonlinear(&mut model.graph, system, &linear.unknowns));
             continue;
@@ -41,29 +43,30 @@ pub(super) fn agree(
         let of_phase = |state: &&State| system.phases.contains(&state.phase);
         let own: Vec<State> = states.iter().filter(of_phase).cloned().collect();
         let agreement = match &linear.unformed {
-            Some(unformed) => unformed::agree(model, (system, unformed), &own, gate).map(|agreement| (agreement, None)),
-            None => compare(model, system, linear, &own, gate),
+            Some(unformed) => {
+                let agreement = unformed::agree(model, (system, unformed), &own, gate);
+                agreement.map(|agreement| (agreement, None)).map_err(|problem| vec![*problem])
+            }
+            None => compare(model, motion, (system, linear), (&own, ranks), gate),
         };
         match agreement {
             Ok((agreement, hidden)) => {
                 agreements.push(agreement);
                 alone.extend(hidden);
+                sound.push((system, linear));
             }
-            Err(problem) => problems.push(*problem),
+            Err(found) => problems.extend(found),
         }
     }
     if problems.is_empty() {
         problems.extend(super::reaction_values::disagreements(model, momentum, states, gate));
+        if !problems.is_empty() {
+            return Err(problems);
+        }
     }
-    if !problems.is_empty() {
-        return Err(problems);
-    }
-    for (system, linear) in model.balances.clone().iter().zip(momentum) {
-        // Reactions of constraints that depend on each other are not unique.
-        let rows = |phase: &usize| model.phases.get(*phase).map_or(0, |p| model.rows_of(p).len());
-        let unique = |phase: &usize| ranks.get(*phase).is_none_or(|rank| *rank == rows(phase));
+    for (system, linear) in sound {
         let named = linear.unformed.is_none();
-        if named && system.balances.iter().any(Balance::is_written) && system.phases.iter().all(unique) {
+        if named && system.balances.iter().any(Balance::is_written) && unique(model, system, ranks) {
             let of_phase = |state: &&State| system.phases.contains(&state.phase);
             let own: Vec<State> = states.iter().filter(of_phase).cloned().collect();
             match results(model, motion, (system, linear), &own, gate) {
@@ -75,6 +78,12 @@ pub(super) fn agree(
     if problems.is_empty() { Ok((agreements, alone)) } else { Err(problems) }
 }
 
+/// Whether multipliers are unique in all phases of a system: those of constraints that depend on each other are not.
+fn unique(model: &Model, system: &BalanceSystem, ranks: &[usize]) -> bool {
+    let rows = |phase: &usize| model.phases.get(*phase).map_or(0, |p| model.rows_of(p).len());
+    system.phases.iter().all(|phase| ranks.get(*phase).is_none_or(|rank| *rank == rows(phase)))
+}
+
 /// Errors for reactions that are not what the motion makes them, words for those that nothing confirms.
 fn results(
     model: &mut Model,
@@ -84,19 +93,41 @@ fn results(
     gate: Gate,
 ) -> Result<Vec<String>, Vec<Problem>> {
     let assembled = Assembled::derived(&model.graph, linear, states);
-    let assembled = results::with_multipliers(assembled, linear, states);
-    for (a, state) in assembled.iter().zip(states) {
-        let found = residual(a, state, gate);
-        if !found.agrees {
-            // Balances of bodies are right by themselves.
-            let worst = &system.balances[owner(system, found.equation)];
-            let balance = [worst].into_iter().chain(&system.balances).find(|b| b.is_written()).unwrap_or(worst);
-            let off = format!("{:.1e}", found.relative);
-            let at = describe(model, state);
-            return Err(vec![verdicts::reaction_against_constraint(balance.place.clone(), &balance.label, off, at)]);
-        }
+    let with_multipliers = results::with_multipliers(assembled, linear, states);
+    if with_multipliers.iter().zip(states).all(|(a, state)| residual(a, state, gate).agrees) {
+        return results::confirmed(model, motion, (system, linear), (&with_multipliers, states), gate);
     }
-    results::confirmed(model, motion, (system, linear), (&assembled, states))
+    let assembled = Assembled::derived(&model.graph, linear, states);
+    let reactions = results::presumed(model, motion, (system, linear), (&with_multipliers, states));
+    let multipliers = multipliers(linear, states);
+    let (_, suspects) = suspects(system, &assembled, (&reactions, &multipliers), (states, gate));
+    let problem = |suspect: &Suspect| against_constraint(model, system, suspect, states);
+    Err(suspects.iter().map(problem).collect())
+}
+
+/// Lagrange's multipliers that stand in a system, at every state.
+fn multipliers(linear: &Momentum, states: &[State]) -> Vec<Values> {
+    let those = linear.unknowns.iter().filter(|s| matches!(s, Symbol::Multiplier(_)));
+    those.map(|s| states.iter().map(|state| Some(state.measured(*s))).collect()).collect()
+}
+
+/// The error for an equation that does not hold with Lagrange's multipliers.
+fn against_constraint(model: &Model, system: &BalanceSystem, suspect: &Suspect, states: &[State]) -> Problem {
+    // Balances of bodies are right by themselves.
+    let written: Vec<usize> = suspect.balances.iter().copied().filter(|b| system.balances[*b].is_written()).collect();
+    let balances = if written.is_empty() { &suspect.balances } else { &written };
+    let (off, at) = (format!("{:.1e}", suspect.relative), describe(model, &states[suspect.state]));
+    let label = labels(system, balances, suspect.one_of);
+    verdicts::reaction_against_constraint(system.balances[balances[0]].place.clone(), label, off, at)
+}
+
+/// The labels of balances, one of which is wrong, or all.
+fn labels(system: &BalanceSystem, balances: &[usize], one_of: bool) -> String {
+    let labels: Vec<String> = balances.iter().map(|b| system.balances[*b].label.clone()).collect();
+    match labels.len() {
+        1 => listed(&labels),
+        _ => format!("{} {}", if one_of { "one of" } else { "the system of" }, listed(&labels)),
+    }
 }
 
 /// An error for the first balance in which an unknown multiplies another, or stands in a function.
@@ -111,12 +142,12 @@ fn nonlinear(graph: &mut Graph, system: &BalanceSystem, columns: &[Symbol]) -> O
     })
 }
 
-/// The largest relative residual that Lagrange's accelerations leave, and the equation that has it.
-pub(super) fn residual(system: &Assembled, state: &State, gate: Gate) -> Residual {
+/// The largest relative residual that Lagrange's accelerations leave.
+fn residual(system: &Assembled, state: &State, gate: Gate) -> Residual {
     let left = system.left_over(&state.a);
     let largest = left.iter().fold(0.0_f64, |most, (_, r)| most.max(r.magnitude));
-    let mut worst = Residual { agrees: true, relative: 0.0, equation: 0 };
-    for (equation, r) in left {
+    let mut worst = Residual { agrees: true, relative: 0.0 };
+    for (_, r) in left {
         let size = r.value.abs().to_f64();
         if !size.is_finite() {
             // Nothing can be said here.
@@ -125,29 +156,27 @@ pub(super) fn residual(system: &Assembled, state: &State, gate: Gate) -> Residua
         let agrees = gate.agrees(size, r.magnitude, largest);
         let relative = r.relative();
         if relative > worst.relative || (worst.agrees && !agrees) {
-            worst = Residual { agrees: worst.agrees && agrees, relative, equation };
+            worst = Residual { agrees: worst.agrees && agrees, relative };
         }
     }
     worst
 }
 
 /// How well a system holds with given accelerations.
-pub(super) struct Residual {
+struct Residual {
     /// Whether every equation holds.
-    pub agrees: bool,
+    agrees: bool,
     /// The largest residual of an equation, of its own magnitude.
-    pub relative: f64,
-    /// The equation that has it.
-    pub equation: usize,
+    relative: f64,
 }
 
 fn compare(
-    model: &Model,
-    system: &BalanceSystem,
-    linear: &Momentum,
-    states: &[State],
+    model: &mut Model,
+    motion: &Motion,
+    (system, linear): (&BalanceSystem, &Momentum),
+    (states, ranks): (&[State], &[usize]),
     gate: Gate,
-) -> Result<(Agreement, Option<String>), Box<Problem>> {
+) -> Result<(Agreement, Option<String>), Vec<Problem>> {
     let assembled = Assembled::derived(&model.graph, linear, states);
     let silent = |equation: usize| {
         let line = |a: &Assembled| a.matrix[equation * a.size..][..a.size].to_vec();
@@ -156,7 +185,7 @@ fn compare(
     let mut first = 0;
     for balance in &system.balances {
         if (first..first + balance.components).any(silent) {
-            return Err(Box::new(verdicts::empty_balance(balance.place.clone(), &balance.label)));
+            return Err(vec![verdicts::empty_balance(balance.place.clone(), &balance.label)]);
         }
         first += balance.components;
     }
@@ -164,19 +193,23 @@ fn compare(
     for (a, state) in assembled.iter().zip(states) {
         let found = residual(a, state, gate);
         if !found.agrees {
-            return Err(Box::new(disagreement(model, system, linear, (a, state), &found, states, gate)));
+            return Err(disagreement(model, motion, (system, linear), (&assembled, states), (ranks, gate)));
         }
         worst = worst.max(found.relative);
     }
     let solved = Solved::of(&assembled, states);
     if let Some(k) = solved.differs.filter(|_| gate.rows) {
         let found = residual(&assembled[k], &states[k], gate);
-        return Err(Box::new(disagreement(model, system, linear, (&assembled[k], &states[k]), &found, states, gate)));
+        // Each equation holds by its own terms, so that no change of one term tells.
+        let help = "terms of very different sizes hide which of them it is: take balances in which large ones do not stand";
+        let balances = vec![owner(system, found.equation)];
+        let suspect = Suspect { balances, one_of: false, block: Vec::new(), state: k, relative: found.relative };
+        return Err(vec![problem(model, system, (&assembled[k], &states[k]), &suspect, help.to_owned())]);
     }
     let hidden = solved.words(model, system);
     if !assembled.iter().any(|a| a.solution().is_some()) {
         let state = states.first().map_or_else(String::new, |s| describe(model, s));
-        return Err(Box::new(verdicts::balances_singular(system.place.clone(), &system.name, state)));
+        return Err(vec![verdicts::balances_singular(system.place.clone(), &system.name, state)]);
     }
     let agreement = Agreement { between: ("Lagrange".to_owned(), system.name.clone()), states: states.len(), worst };
     Ok((agreement, hidden))
@@ -220,44 +253,81 @@ impl Solved {
     }
 }
 
-/// The error: what the system gives, which balance is off, and what would mend it.
+/// The errors: what the system gives, which balances are off, and what would mend each.
 fn disagreement(
+    model: &mut Model,
+    motion: &Motion,
+    (system, linear): (&BalanceSystem, &Momentum),
+    (assembled, states): (&[Assembled], &[State]),
+    (ranks, gate): (&[usize], Gate),
+) -> Vec<Problem> {
+    let unique = unique(model, system, ranks);
+    let multipliers = if unique { multipliers(linear, states) } else { Vec::new() };
+    let reactions = match unique {
+        true => {
+            let derived = Assembled::derived(&model.graph, linear, states);
+            let with_multipliers = results::with_multipliers(derived, linear, states);
+            results::presumed(model, motion, (system, linear), (&with_multipliers, states))
+        }
+        false => Vec::new(),
+    };
+    let (known, suspects) = suspects(system, assembled, (&reactions, &multipliers), (states, gate));
+    let causes = Causes::new(model, (system, linear), assembled, &known);
+    let explained: Vec<(Suspect, Option<String>)> = suspects.into_iter().map(|suspect| causes.of(suspect)).collect();
+    let whole = matches!(explained.as_slice(), [(suspect, Some(_))] if suspect.balances.len() == 1);
+    if let Some((balances, help)) = causes.entry().filter(|_| !whole) {
+        let state = explained.first().map_or(0, |(suspect, _)| suspect.state);
+        let relative = residual(&assembled[state], &states[state], gate).relative;
+        let suspect = Suspect { balances, one_of: false, block: Vec::new(), state, relative };
+        return vec![problem(model, system, (&assembled[state], &states[state]), &suspect, help)];
+    }
+    let told = |(suspect, help): (Suspect, Option<String>)| {
+        let at = (&assembled[suspect.state], &states[suspect.state]);
+        let multiplied = |b: &usize| contains_multiplier(system, linear, at.0, *b);
+        match unique && suspect.balances.iter().any(multiplied) {
+            true => against_constraint(model, system, &suspect, states),
+            false => problem(model, system, at, &suspect, help.unwrap_or_else(|| causes.where_to_look(&suspect))),
+        }
+    };
+    explained.into_iter().map(told).collect()
+}
+
+/// Whether a multiplier stands in a written-out equation.
+fn contains_multiplier(system: &BalanceSystem, linear: &Momentum, assembled: &Assembled, balance: usize) -> bool {
+    let multiplier = |column: &usize| matches!(linear.unknowns[*column], Symbol::Multiplier(_));
+    let stands = |e: usize| {
+        (0..assembled.size).filter(multiplier).any(|c| !assembled.matrix[e * assembled.size + c].vanishes(1e6))
+    };
+    system.balances[balance].is_written() && equations(system, balance).any(stands)
+}
+
+/// The error for these balances, with the acceleration among those in them that is most wrong.
+fn problem(
     model: &Model,
     system: &BalanceSystem,
-    linear: &Momentum,
     (assembled, state): (&Assembled, &State),
-    found: &Residual,
-    states: &[State],
-    gate: Gate,
+    suspect: &Suspect,
+    help: String,
 ) -> Problem {
-    let balance = owner(system, found.equation);
-    let place = system.balances[balance].place.clone();
-    // Judged by its parts, explained by their terms.
-    let finer = in_terms(system.clone());
-    let mut graph = model.graph.clone();
-    let in_terms: Vec<Vec<Row>> = evaluate(&mut graph, &finer, &linear.unknowns, states);
-    let in_parts: Vec<Vec<Row>> = evaluate(&mut graph, system, &linear.unknowns, states);
-    let help = match found.agrees {
-        // Each equation holds by its own terms, so that no change of one term tells.
-        true => {
-            "terms of very different sizes hide which of them it is: take balances in which large ones do not stand"
-                .to_owned()
-        }
-        false => cause(model, &finer, system, balance, (&in_terms, &in_parts), states, gate),
-    };
-    let label = &system.balances[balance].label;
-    let off = found.relative;
+    let balances = &suspect.balances;
+    let label = labels(system, balances, suspect.one_of);
+    let off = suspect.relative;
+    let place = system.balances[balances[0]].place.clone();
     let worst = format!("{label} is off by {off:.1e} of its terms, at {}", describe(model, state));
     let solution = assembled.solution().unwrap_or_default();
-    let gap = |i: &usize| {
-        let (x, y) = (solution[*i].value.to_f64(), state.a[*i].value.to_f64());
-        let scale = x.abs().max(y.abs());
-        if scale > 0.0 { (x - y).abs() / scale } else { 0.0 }
+    let stands = |i: &usize| {
+        let mut of = balances.iter().flat_map(|b| equations(system, *b));
+        of.any(|e| !assembled.matrix[e * assembled.size + i].vanishes(1e6))
     };
-    let n = state.a.len();
-    let coordinate = (0..n).filter(|_| solution.len() >= n).max_by(|a, b| gap(a).total_cmp(&gap(b)));
-    match coordinate {
-        Some(i) => {
+    let gap = |i: &usize| {
+        let (x, y) = (solution[*i], state.a[*i]);
+        let gap = (x.value - y.value).abs().to_f64();
+        let differs = !Gate::default().agrees(gap, x.magnitude + y.magnitude, 0.0);
+        differs.then(|| gap / x.value.to_f64().abs().max(y.value.to_f64().abs()))
+    };
+    let gaps = (0..state.a.len()).filter(|_| !solution.is_empty()).filter(stands).filter_map(|i| Some((i, gap(&i)?)));
+    match gaps.max_by(|a, b| a.1.total_cmp(&b.1)) {
+        Some((i, _)) => {
             let name = rate_name(&model.coordinates[i].name, 2);
             let [balances, lagrange] = [solution[i].value, state.a[i].value].map(|x| number(x.to_f64()));
             verdicts::balances_disagree(place, &system.name, name, balances, lagrange, worst, help)
@@ -271,24 +341,10 @@ fn number(x: f64) -> String {
     if x == 0.0 || (1e-4..1e7).contains(&x.abs()) { format!("{x:.9}") } else { format!("{x:.9e}") }
 }
 
-/// The balance to which an equation belongs.
-fn owner(system: &BalanceSystem, equation: usize) -> usize {
-    let mut first = 0;
-    for (b, balance) in system.balances.iter().enumerate() {
-        first += balance.components;
-        if equation < first {
-            return b;
-        }
-    }
-    0
-}
-
-/// A system with written-out equations in their terms.
-fn in_terms(mut system: BalanceSystem) -> BalanceSystem {
-    for balance in system.balances.iter_mut().filter(|balance| !balance.terms.is_empty()) {
-        balance.parts = std::mem::take(&mut balance.terms);
-    }
-    system
+/// The equations of a balance.
+pub(super) fn equations(system: &BalanceSystem, balance: usize) -> std::ops::Range<usize> {
+    let first = system.balances[..balance].iter().map(|b| b.components).sum::<usize>();
+    first..first + system.balances[balance].components
 }
 
 /// The unknowns of a system at every state; `None` where it is singular.

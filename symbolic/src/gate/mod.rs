@@ -3,8 +3,8 @@
 //! 1. States to judge at: look in `states`; where phases of contacts may be: `contact_states`.
 //! 2. The routes from energies and from bodies agree, entry by entry: look in `agreement`.
 //! 3. It does not matter which body takes a load at a hinge: look in `hinge_ambiguity`.
-//! 4. Systems of momentum balances hold, and determine the motion: look in `balances`; what would mend one that does
-//!    not is found in `causes`.
+//! 4. Systems of momentum balances hold, and determine the motion: look in `balances`; which balances of
+//!    one that does not are wrong is found in `suspects`, what would mend them in `causes`.
 //!    Their reactions are compared with force and moment on bodies: `results`.
 //!    So do they integrated over the instant of an impact: `impulses`.  What impacts change is found in `impacts`.
 //! 5. Forces are tested for potentials (`potential`) and for being counted twice (`double_counting`); what each entry does is in
@@ -65,6 +65,7 @@ mod search;
 mod speeds;
 mod state;
 mod states;
+mod suspects;
 mod system;
 mod trajectory;
 mod unformed;

@@ -8,13 +8,15 @@
 //! that nobody named), nothing is said: the guide might take anything.  Directions that share no coordinate, constraint or
 //! reaction are judged one by one.
 
+use super::Gate;
 use super::motion::{Motion, blocks};
 use super::null::{Columns, contains, null_space, rank};
 use super::state::{State, describe};
+use super::suspects::Known;
 use super::system::Assembled;
 use crate::derive::momentum::Momentum;
-use crate::diagnose::Problem;
 use crate::diagnose::catalogue::verdicts;
+use crate::diagnose::{Problem, listed};
 use crate::expr::{Graph, Id, Measured, Symbol, Tape, jacobian};
 use crate::model::{BalanceSystem, Load, Model, Reaction, Rotation};
 use crate::number::DoubleDouble;
@@ -28,7 +30,7 @@ const DIRECTIONS: usize = 60;
 const SAME: f64 = 1e-13;
 
 /// A reaction component at every state, where it is determined.
-type Values = Vec<Option<Measured>>;
+pub(super) type Values = Vec<Option<Measured>>;
 
 /// Errors for reactions that their bodies contradict; words for those of which nothing else tells.
 pub(super) fn confirmed(
@@ -36,10 +38,13 @@ pub(super) fn confirmed(
     motion: &Motion,
     (system, linear): (&BalanceSystem, &Momentum),
     (assembled, states): (&[Assembled], &[State]),
+    gate: Gate,
 ) -> Result<Vec<String>, Vec<Problem>> {
     let own: Vec<Values> = assembled.iter().zip(states).map(|(a, state)| a.eliminated(&state.a).reactions).collect();
     let by_bodies = match &linear.bodies {
-        Some(bodies) if bodies_see_everything(model) => by_bodies(model, motion, (system, bodies), (&own, states)),
+        Some(bodies) if bodies_see_everything(model) => {
+            by_bodies(model, motion, (system, bodies), (&own, states), Unnamed::Nowhere)
+        }
         _ => Vec::new(),
     };
     let elsewhere = |k: &usize| model.balances.iter().filter(|system| system.reactions.contains(k)).count() > 1;
@@ -66,10 +71,17 @@ pub(super) fn confirmed(
                 _ => None,
             };
             if let Some((here, there, state)) = (0..states.len()).find_map(|state| differ(&state)) {
-                let (place, label) = match resting {
-                    Some(Resting::On(balance)) => {
+                // Those that are off with what the bodies say.
+                let off = Known::new((&by_bodies, &[]), states, gate).suspects(system, assembled);
+                let mut off: Vec<usize> = off.into_iter().flat_map(|suspect| suspect.balances).collect();
+                off.retain(|b| system.balances[*b].is_written());
+                off.sort_unstable();
+                let labels: Vec<String> = off.iter().map(|b| system.balances[*b].label.clone()).collect();
+                let (place, label) = match (resting, off.first()) {
+                    (Some(Resting::On(balance)), _) => {
                         (&system.balances[balance].place, system.balances[balance].label.clone())
                     }
+                    (_, Some(first)) => (&system.balances[*first].place, listed(&labels)),
                     _ => (&system.place, format!("`{}`", system.name)),
                 };
                 let [here, there] = [here, there].map(|x| format!("{:.9e}", x.value.to_f64()));
@@ -80,6 +92,31 @@ pub(super) fn confirmed(
         }
     }
     if problems.is_empty() { Ok(words) } else { Err(problems) }
+}
+
+/// The reactions of a system that is wrong by force and moment on the bodies, component by component, to find out which equation is:
+/// bodies may rest on supports that nobody named.
+pub(super) fn presumed(
+    model: &mut Model,
+    motion: &Motion,
+    (system, linear): (&BalanceSystem, &Momentum),
+    (assembled, states): (&[Assembled], &[State]),
+) -> Vec<Values> {
+    let own: Vec<Values> = assembled.iter().zip(states).map(|(a, state)| a.eliminated(&state.a).reactions).collect();
+    match &linear.bodies {
+        Some(bodies) if bodies_see_everything(model) => {
+            by_bodies(model, motion, (system, bodies), (&own, states), Unnamed::Supports)
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// Where reactions that nobody named may act.
+#[derive(Clone, Copy, PartialEq)]
+enum Unnamed {
+    Nowhere,
+    /// On a body where it cannot move anyway, constraints apart, if no named reaction acts there.
+    Supports,
 }
 
 /// The reactions of a system with the places of their components.
@@ -124,6 +161,7 @@ fn by_bodies(
     motion: &Motion,
     (system, bodies): (&BalanceSystem, &Momentum),
     (own, states): (&[Values], &[State]),
+    unnamed: Unnamed,
 ) -> Vec<Values> {
     let n = model.coordinates.len();
     let balances = with_multipliers(Assembled::derived(&model.graph, bodies, states), bodies, states);
@@ -136,10 +174,11 @@ fn by_bodies(
         if part.reactions.is_empty() || part.directions.len() > DIRECTIONS {
             continue;
         }
-        let seen: Vec<Option<Seen>> =
-            (0..states.len()).map(|k| Seen::new(&part, &velocities, motion, (&balances[k], &states[k]))).collect();
+        let seen: Vec<Option<Seen>> = (0..states.len())
+            .map(|k| Seen::new(&part, &velocities, motion, (&balances[k], &states[k]), unnamed))
+            .collect();
         // A guide that shows at some states only is there at all of them.
-        let room = |seen: &Seen| contains(&seen.named, &seen.ideal, part.directions.len()) == Some(false);
+        let room = |seen: &Seen| contains(&seen.all(), &seen.ideal, part.directions.len()) == Some(false);
         if seen.iter().flatten().any(room) {
             continue;
         }
@@ -149,7 +188,8 @@ fn by_bodies(
                 let whole =
                     |other: &usize| of.as_ref().is_some_and(|(_, _, all)| all.contains(&part.reactions[*other]));
                 let one = if rubs { vec![place] } else { (0..part.reactions.len()).filter(whole).collect() };
-                if let Some(seen) = seen.as_ref().filter(|seen| seen.does_no_work(&one) == Some(true)) {
+                let counts = |seen: &&Seen| unnamed == Unnamed::Supports || seen.does_no_work(&one) == Some(true);
+                if let Some(seen) = seen.as_ref().filter(counts) {
                     told[*component][k] = seen.value(place, &part, &balances[k], (&states[k].a, &own[k]));
                 }
             }
@@ -162,6 +202,8 @@ fn by_bodies(
 struct Velocities {
     places: Vec<(usize, usize)>,
     tape: Tape,
+    /// The body of each.
+    owners: Vec<usize>,
 }
 
 impl Velocities {
@@ -169,7 +211,8 @@ impl Velocities {
         // One velocity for each equation of the bodies: three of the centre of mass and three of the turn in space.
         let (mut moved, mut spun) = (Vec::new(), Vec::new());
         let mut directions = 0;
-        for body in &model.bodies {
+        let mut owners = Vec::new();
+        for (b, body) in model.bodies.iter().enumerate() {
             moved.extend(body.position.iter().map(|position| (next(&mut directions), *position)));
             match &body.rotation {
                 Some(Rotation::Plane { angle, .. }) => moved.push((next(&mut directions), *angle)),
@@ -178,13 +221,14 @@ impl Velocities {
                 }
                 None => {}
             }
+            owners.resize(directions, b);
         }
         let coordinate = |s: Symbol| if let Symbol::Coordinate(i) = s { Some(i as usize) } else { None };
         let speed = |s: Symbol| if let Symbol::Speed(i) = s { Some(i as usize) } else { None };
         let mut entries = slopes(&mut model.graph, &moved, coordinate);
         entries.extend(slopes(&mut model.graph, &spun, speed));
         let tape = Tape::new(&model.graph, &entries.iter().map(|e| e.2).collect::<Vec<_>>());
-        Velocities { places: entries.iter().map(|e| (e.0, e.1)).collect(), tape }
+        Velocities { places: entries.iter().map(|e| (e.0, e.1)).collect(), tape, owners }
     }
 }
 
@@ -232,6 +276,8 @@ struct Seen {
     /// The forces and moments of the named reactions of size 1, and the magnitudes of their entries.
     named: Columns,
     sizes: Vec<Vec<f64>>,
+    /// Those of supports that nobody named.
+    supports: Columns,
 }
 
 impl Seen {
@@ -241,6 +287,7 @@ impl Seen {
         velocities: &Velocities,
         motion: &Motion,
         (balances, state): (&Assembled, &State),
+        unnamed: Unnamed,
     ) -> Option<Seen> {
         let n = motion.n;
         let entries = velocities.tape.evaluate(|s| state.measured(s));
@@ -250,6 +297,7 @@ impl Seen {
                 columns[d][i] = x.value;
             }
         }
+        let moves = columns.clone();
         let (rank, mut rows) = motion.constraints.rank(state);
         rows.truncate(rank);
         rows.retain(|row| part.rows.contains(row));
@@ -263,9 +311,18 @@ impl Seen {
         let of = |k: &usize| part.directions.iter().map(|d| entry(d, k)).collect::<Vec<Measured>>();
         let measured: Vec<Vec<Measured>> = part.reactions.iter().map(of).collect();
         let plain = |x: &Measured| if x.vanishes(super::ROUNDINGS) { DoubleDouble::ZERO } else { x.value };
-        let named = measured.iter().map(|column| column.iter().map(plain).collect()).collect();
+        let named: Columns = measured.iter().map(|column| column.iter().map(plain).collect()).collect();
         let sizes = measured.iter().map(|column| column.iter().map(|x| x.magnitude).collect()).collect();
-        Some(Seen { ideal, named, sizes })
+        let supports = match unnamed {
+            Unnamed::Nowhere => Vec::new(),
+            Unnamed::Supports => supports(part, velocities, &moves, &named)?,
+        };
+        Some(Seen { ideal, named, sizes, supports })
+    }
+
+    /// All reactions, with supports.
+    fn all(&self) -> Columns {
+        [self.named.as_slice(), &self.supports].concat()
     }
 
     /// Whether the components of a reaction, by their places, can be a reaction of what holds the bodies.
@@ -284,9 +341,10 @@ impl Seen {
         balances: &Assembled,
         (accelerations, own): (&[Measured], &Values),
     ) -> Option<Measured> {
-        let others = |d: usize| (0..self.named.len()).filter(|k| *k != place).map(|k| self.named[k][d]).collect();
+        let all = self.all();
+        let others = |d: usize| (0..all.len()).filter(|k| *k != place).map(|k| all[k][d]).collect();
         let lines: Columns = (0..part.directions.len()).map(others).collect();
-        let combinations = null_space(&lines, self.named.len().saturating_sub(1))?;
+        let combinations = null_space(&lines, all.len().saturating_sub(1))?;
         let known: Vec<Measured> = part.directions.iter().map(|d| balances.known(*d, accelerations)).collect();
         let size = |d: usize| {
             let pushed = part.reactions.iter().zip(&self.sizes);
@@ -306,6 +364,29 @@ impl Seen {
         });
         found.min_by(|x, y| x.magnitude.total_cmp(&y.magnitude))
     }
+}
+
+/// Forces and moments on one body each along which it does not move, where those of a body are not among the named ones.
+fn supports(part: &Part, velocities: &Velocities, moves: &Columns, named: &Columns) -> Option<Columns> {
+    let count = part.directions.len();
+    let owners: Vec<usize> = part.directions.iter().map(|d| velocities.owners[*d]).collect();
+    let mut bodies = owners.clone();
+    bodies.dedup();
+    let mut supports = Columns::new();
+    for body in bodies {
+        let own: Vec<usize> = (0..count).filter(|d| owners[*d] == body).collect();
+        let columns: Columns = own.iter().map(|d| moves[*d].clone()).collect();
+        let whole = |combination: Vec<DoubleDouble>| {
+            let mut column = vec![DoubleDouble::ZERO; count];
+            own.iter().zip(combination).for_each(|(d, x)| column[*d] = x);
+            column
+        };
+        let held: Columns = null_space(&columns, part.coordinates.len())?.into_iter().map(whole).collect();
+        if !contains(named, &held, count)? {
+            supports.extend(held);
+        }
+    }
+    Some(supports)
 }
 
 /// The written equation without which a reaction is not determined, or all of them; nothing where balances of bodies determine

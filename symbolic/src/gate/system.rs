@@ -44,6 +44,14 @@ impl Row {
     }
 }
 
+/// A change of a system.
+pub(super) enum Change {
+    /// Parts of balances, by both their places, times a factor.
+    Parts(Vec<(usize, usize)>, f64),
+    /// The opposite sign of an unknown, by its place, in one balance.
+    Unknown(usize, usize),
+}
+
 /// 0, exactly.
 pub(super) fn zero() -> Measured {
     Measured::exact(DoubleDouble::ZERO)
@@ -90,18 +98,20 @@ impl Assembled {
         states.iter().map(at).collect()
     }
 
-    /// The sum of parts, one of them scaled.
-    pub fn of(rows: &[Row], equations: usize, size: usize, changed: Option<(usize, usize, f64)>) -> Assembled {
+    /// The sum of parts, some of them changed.
+    pub fn of(rows: &[Row], equations: usize, size: usize, change: Option<&Change>) -> Assembled {
         let mut system = Assembled::new(equations, size);
         for row in rows {
-            let factor = match changed {
-                Some((balance, part, factor)) if (balance, part) == (row.balance, row.part) => factor,
-                _ => 1.0,
+            let (factor, turned) = match change {
+                Some(Change::Parts(parts, factor)) if parts.contains(&(row.balance, row.part)) => (*factor, None),
+                Some(Change::Unknown(balance, column)) if *balance == row.balance => (1.0, Some(*column)),
+                _ => (1.0, None),
             };
             let factor = Measured::exact(DoubleDouble::from(factor));
             let line = &mut system.matrix[row.equation * size..][..size];
-            for (sum, c) in line.iter_mut().zip(&row.coefficients) {
-                *sum = plus(*sum, times(factor, *c));
+            for (column, (sum, c)) in line.iter_mut().zip(&row.coefficients).enumerate() {
+                let c = if turned == Some(column) { Measured { value: -c.value, ..*c } } else { *c };
+                *sum = plus(*sum, times(factor, c));
             }
             let rest = &mut system.rest[row.equation];
             *rest = plus(*rest, times(factor, row.rest));
@@ -142,6 +152,24 @@ impl Assembled {
         let rest = lines().zip(&self.rest).map(known).collect();
         let matrix = lines().flat_map(|line| line[..size].iter().copied()).collect();
         Assembled { equations: self.equations, judged: self.judged, size, matrix, rest }
+    }
+
+    /// The same with some of the unknowns after the accelerations put in; their columns stay, and are empty.
+    pub fn put(&self, accelerations: usize, values: &[Option<Measured>]) -> Assembled {
+        let mut system = Assembled { matrix: self.matrix.clone(), rest: self.rest.clone(), ..*self };
+        for (line, rest) in system.matrix.chunks_mut(self.size.max(1)).zip(&mut system.rest) {
+            for (c, x) in line[accelerations..].iter_mut().zip(values).filter_map(|(c, x)| Some((c, (*x)?))) {
+                *rest = plus(*rest, times(*c, x));
+                *c = zero();
+            }
+        }
+        system
+    }
+
+    /// Equations from some place on, as parts that belong to no balance.
+    pub fn lines_from(&self, first: usize) -> Vec<Row> {
+        let line = |e: usize| Row::known(e, self.matrix[e * self.size..][..self.size].to_vec(), self.rest[e]);
+        (first..self.equations).map(line).collect()
     }
 
     /// These equations alone.

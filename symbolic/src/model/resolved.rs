@@ -689,6 +689,8 @@ pub struct Balance {
     pub parts: Vec<Part>,
     /// The same in finer parts, to name a wrong one: the terms of a written-out equation; empty where there are none.
     pub terms: Vec<Part>,
+    /// The products that are written in one piece and are several of these terms.
+    pub products: Vec<(String, std::ops::Range<usize>)>,
     /// How many equations it is.
     pub components: usize,
     /// True for power and energy, which say nothing at rest.

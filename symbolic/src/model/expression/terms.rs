@@ -1,5 +1,6 @@
 //! The terms of a written-out equation, so that a wrong one can be named.
 
+use std::ops::Range;
 use std::rc::Rc;
 
 use super::families::Locals;
@@ -18,37 +19,62 @@ const MOST: usize = 30;
 type Term = (bool, Ast, String);
 
 impl Resolver<'_> {
-    /// What is added up in an equation whose sides have `size` components, left less right; nothing where there is but
-    /// one term or too many.
-    pub fn terms(&mut self, text: &Text, size: usize, locals: &Locals) -> Vec<Part> {
-        let mut terms = Vec::new();
-        split(&text.ast, &text.source, false, &mut terms);
-        if !(2..=MOST).contains(&terms.len()) {
-            return Vec::new();
+    /// What is added up in an equation whose sides have `size` components, left less right, and the products that are several of
+    /// these terms; nothing where there is but one term or too many.
+    pub fn terms(&mut self, text: &Text, size: usize, locals: &Locals) -> (Vec<Part>, Vec<(String, Range<usize>)>) {
+        let mut summands = Vec::new();
+        sum(&text.ast, &text.source, false, &mut summands);
+        let apart = |(minus, ast, _): &Term| {
+            let mut terms = Vec::new();
+            split(ast, &text.source, *minus, &mut terms);
+            terms
+        };
+        let terms: Vec<Vec<Term>> = summands.iter().map(apart).collect();
+        if !(2..=MOST).contains(&terms.iter().map(Vec::len).sum::<usize>()) {
+            return Default::default();
         }
         let before = self.builder.problems.len();
-        let mut parts = Vec::new();
-        for (minus, ast, words) in terms {
-            let term = Text { source: text.source.clone(), ast: Rc::new(ast), unit: None, place: text.place.clone() };
-            let found = self.builder.equation(&self.scope, &term, Rules::anything("a check").tested(), locals).0;
-            let value = match found {
-                Value::Scalar(x) if size == 1 => vec![x],
-                Value::Vector(v) if v.len() == size => v,
-                // A zero that stands for a vector.
-                Value::Scalar(crate::expr::Id::ZERO) | Value::Nothing => continue,
-                _ => {
-                    self.builder.problems.truncate(before);
-                    return Vec::new();
-                }
-            };
-            let value = if minus { vectors::negative(&mut self.builder.graph, &value) } else { value };
-            parts.push(Part { name: format!("`{words}`"), value });
+        let (mut parts, mut products) = (Vec::new(), Vec::new());
+        for (terms, (_, _, whole)) in terms.into_iter().zip(summands) {
+            let first = parts.len();
+            for (minus, ast, words) in terms {
+                let term =
+                    Text { source: text.source.clone(), ast: Rc::new(ast), unit: None, place: text.place.clone() };
+                let found = self.builder.equation(&self.scope, &term, Rules::anything("a check").tested(), locals).0;
+                let value = match found {
+                    Value::Scalar(x) if size == 1 => vec![x],
+                    Value::Vector(v) if v.len() == size => v,
+                    // A zero that stands for a vector.
+                    Value::Scalar(crate::expr::Id::ZERO) | Value::Nothing => continue,
+                    _ => {
+                        self.builder.problems.truncate(before);
+                        return Default::default();
+                    }
+                };
+                let value = if minus { vectors::negative(&mut self.builder.graph, &value) } else { value };
+                parts.push(Part { name: format!("`{words}`"), value });
+            }
+            if parts.len() > first + 1 {
+                products.push((format!("`{whole}`"), first..parts.len()));
+            }
         }
         if self.builder.problems.len() > before {
             self.builder.problems.truncate(before);
-            return Vec::new();
+            return Default::default();
         }
-        parts
+        (parts, products)
+    }
+}
+
+/// The summands of both sides of an equation.
+fn sum(ast: &Ast, source: &str, minus: bool, found: &mut Vec<Term>) {
+    match &ast.kind {
+        AstKind::Binary(operator @ (Operator::Add | Operator::Subtract | Operator::Equal), left, right) => {
+            sum(left, source, minus, found);
+            sum(right, source, minus != (*operator != Operator::Add), found);
+        }
+        AstKind::Negate(inner) => sum(inner, source, !minus, found),
+        _ => found.push((minus, ast.clone(), source[ast.span.range()].to_owned())),
     }
 }
 

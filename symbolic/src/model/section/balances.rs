@@ -140,7 +140,7 @@ impl<'a> Resolver<'a> {
                 }
             }
         }
-        let mut terms = Vec::new();
+        let (mut terms, mut products) = (Vec::new(), Vec::new());
         let parts = match kind {
             "moment" => self.moment(&inner, locals, sums)?,
             "force" => self.momentum(&inner, locals, sums)?,
@@ -149,7 +149,7 @@ impl<'a> Resolver<'a> {
             _ => {
                 let text = inner.equation(&mut self.builder.problems)?;
                 let (left, right) = self.sides(&text, locals)?;
-                terms = self.terms(&text, left.len(), locals);
+                (terms, products) = self.terms(&text, left.len(), locals);
                 let minus = vectors::negative(&mut self.builder.graph, &right);
                 vec![
                     Part { name: "the left side".to_owned(), value: left },
@@ -161,7 +161,7 @@ impl<'a> Resolver<'a> {
         let void_at_rest = matches!(kind, "power" | "energy");
         let instantaneous = matches!(kind, "force" | "moment");
         let (label, place) = (format!("{label} ({kind})"), spot.place.clone());
-        Some(Balance { label, parts, terms, components, void_at_rest, instantaneous, place })
+        Some(Balance { label, parts, terms, products, components, void_at_rest, instantaneous, place })
     }
 
     /// Σ (r − P) × m a + I α − moments about P.
@@ -484,8 +484,9 @@ fn free_directions(unknown: &Unknown) -> Option<Balance> {
     let components = unknown.free.len();
     let label = format!("the free directions of {}", unknown.name);
     let parts = vec![Part { name: unknown.name.clone(), value: unknown.free.clone() }];
-    let (terms, place) = (Vec::new(), unknown.place.clone());
-    let balance = Balance { label, parts, terms, components, void_at_rest: false, instantaneous: true, place };
+    let (terms, products, place) = (Vec::new(), Vec::new(), unknown.place.clone());
+    let balance =
+        Balance { label, parts, terms, products, components, void_at_rest: false, instantaneous: true, place };
     (components > 0).then_some(balance)
 }
 

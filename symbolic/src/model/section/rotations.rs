@@ -95,11 +95,12 @@ impl Resolver<'_> {
             let value = vec![self.builder.rate(growth)];
             let label = format!("the length of {}", rotation.name);
             let parts = vec![Part { name: label.clone(), value }];
-            let terms = Vec::new();
+            let (terms, products) = (Vec::new(), Vec::new());
             Balance {
                 label,
                 parts,
                 terms,
+                products,
                 components: 1,
                 void_at_rest: false,
                 instantaneous: true,

@@ -232,6 +232,7 @@ impl Resolver<'_> {
                 label: format!("the rate of {}", state.name),
                 parts,
                 terms: Vec::new(),
+                products: Vec::new(),
                 components: 1,
                 void_at_rest: false,
                 instantaneous: true,
