@@ -191,3 +191,18 @@ fn a_load_with_the_wrong_sign_is_named_where_it_stands() {
     let both = "with the opposite sign of s in balance 1 (force) and balance 2 (force) they agree";
     assert!(matches!(found.as_slice(), [("E506", 1, help)] if help == both), "{found:?}");
 }
+
+#[test]
+fn what_is_offered_for_a_balance_that_says_nothing_says_something() {
+    let bob = |balance: &str| {
+        format!(
+            "name: Bob\nparameters: {{m: 1 kg, l: 1 m, g: 10 m/s^2}}\ncoordinates: {{theta: rad}}\n\
+             points: {{o: [0, 0], tip: \"l*[sin(theta), -cos(theta)]\"}}\nbodies: {{bob: {{mass: m, position: tip}}}}\n\
+             gravity: [0, -g]\nbalances: {{equations: [{balance}]}}\n"
+        )
+    };
+    assert_eq!(told(&bob("{moment: {about: o, of: bob}}")), []);
+    let found = told(&bob("{moment: {about: bob, of: bob}}"));
+    let [("E508", 1, help)] = found.as_slice() else { panic!("{found:?}") };
+    assert!(help.contains("another point with `about`"), "{help}");
+}

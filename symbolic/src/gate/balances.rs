@@ -15,7 +15,7 @@ use super::system::Assembled;
 use super::unformed;
 use crate::derive::momentum::Momentum;
 use crate::diagnose::catalogue::verdicts;
-use crate::diagnose::{Problem, listed};
+use crate::diagnose::{Place, Problem, listed};
 use crate::expr::{Graph, Id, Symbol, jacobian};
 use crate::model::{Balance, BalanceSystem, Model, rate_name};
 
@@ -185,7 +185,7 @@ fn compare(
     let mut first = 0;
     for balance in &system.balances {
         if (first..first + balance.components).any(silent) {
-            return Err(vec![verdicts::empty_balance(balance.place.clone(), &balance.label)]);
+            return Err(vec![empty(balance)]);
         }
         first += balance.components;
     }
@@ -253,6 +253,17 @@ impl Solved {
     }
 }
 
+/// The error for a balance that is 0 = 0, with what else it may be.
+pub(super) fn empty(balance: &Balance) -> Problem {
+    let help = match (balance.components, balance.label.rsplit(['(', ')']).nth(1)) {
+        (1, Some("moment")) => "choose another point with `about`, where masses or forces have a moment about it",
+        (1, Some("force")) => "choose another direction with `along`, or other bodies",
+        (1, _) => "an acceleration or a reaction must stand in it",
+        _ => "one direction may be enough: say which with `along`",
+    };
+    verdicts::empty_balance(balance.place.clone(), &balance.label, help)
+}
+
 /// The errors: what the system gives, which balances are off, and what would mend each.
 fn disagreement(
     model: &mut Model,
@@ -289,7 +300,15 @@ fn disagreement(
             false => problem(model, system, at, &suspect, help.unwrap_or_else(|| causes.where_to_look(&suspect))),
         }
     };
-    explained.into_iter().map(told).collect()
+    let mut problems: Vec<Problem> = explained.into_iter().map(told).collect();
+    // Components of one balance may be off each by itself.
+    let places: Vec<Place> = problems.iter().map(|problem| problem.place.clone()).collect();
+    let mut place = 0;
+    problems.retain(|problem| {
+        place += 1;
+        !places[..place - 1].contains(&problem.place)
+    });
+    problems
 }
 
 /// Whether a multiplier stands in a written-out equation.

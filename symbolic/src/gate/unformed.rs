@@ -1,6 +1,7 @@
 //! Systems of balances whose A and b are not formed, since accelerations are their only unknowns and these are many.
 
 use super::Gate;
+use super::balances::empty;
 use super::dense::factor;
 use super::report::Agreement;
 use super::state::{State, describe};
@@ -26,7 +27,7 @@ pub(super) fn agree(
     let owners: Vec<&Balance> =
         system.balances.iter().flat_map(|balance| std::iter::repeat_n(balance, balance.components)).collect();
     if let Some(balance) = silent(&model.graph, unformed, states).and_then(|equation| owners.get(equation)) {
-        return Err(Box::new(verdicts::empty_balance(balance.place.clone(), &balance.label)));
+        return Err(Box::new(empty(balance)));
     }
     let tape = Tape::new(&model.graph, &unformed.values);
     let mut worst = 0.0_f64;

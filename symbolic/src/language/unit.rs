@@ -317,6 +317,7 @@ const MEANT: &[(&str, &str)] = &[
     ("radian", "rad"),
     ("radians", "rad"),
     ("Nm", "N*m"),
+    ("Nms", "N*m*s"),
     // As a unit it would be taken for the time.
     ("t", "Mg"),
     ("ton", "Mg"),
@@ -388,7 +389,7 @@ mod tests {
         }
         assert_eq!(parse_unit("K").unwrap().dimension, [0, 0, 0, 0, 2]);
         assert_eq!(parse_unit("mT").unwrap().scale, Rational::new(1, 1000).unwrap());
-        for (text, meant) in [("Ohm", "ohm"), ("volt", "V")] {
+        for (text, meant) in [("Ohm", "ohm"), ("volt", "V"), ("Nms", "N*m*s"), ("Nmm", "N*mm")] {
             assert_eq!(parse_unit(text).unwrap_err()[0].help, format!("did you mean `{meant}`?"), "{text}");
         }
         for text in ["degC", "Celsius"] {

@@ -18,7 +18,7 @@ use super::section::watched::Watched;
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{names, sections};
 use crate::expr::Id;
-use crate::file::{Spot, Text, Written};
+use crate::file::{Node, Spot, Text, Written};
 use crate::language::is_reserved;
 
 /// A model half resolved.
@@ -141,6 +141,15 @@ impl<'a> Resolver<'a> {
         false
     }
 
+    /// Whether a section of the file has such a key.
+    fn is_written(&self, name: &str) -> bool {
+        let Node::Map(sections) = self.root.node else { return false };
+        sections.iter().any(|(_, section)| match section {
+            Node::Map(entries) => entries.iter().any(|(key, _)| key.split('[').next() == Some(name)),
+            _ => false,
+        })
+    }
+
     /// Whether the limit of names was met.
     pub fn too_many_names(&self) -> bool {
         self.names > MEMBER_LIMIT
@@ -150,7 +159,10 @@ impl<'a> Resolver<'a> {
     pub fn declare(&mut self, section: Section, expanded: &Expanded, member: Member, place: &Place) -> bool {
         let place = place.of_key();
         if is_reserved(&expanded.base) {
-            let proposal = proposal(&expanded.base);
+            let mut proposal = proposal(&expanded.base);
+            while self.is_written(&proposal) {
+                proposal.push('_');
+            }
             self.builder.problems.push(names::reserved_name(place.clone(), &expanded.base, proposal));
             // Declared all the same, so that its uses are not reported too.
         }

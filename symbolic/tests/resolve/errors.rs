@@ -95,6 +95,31 @@ fn kinds() {
 }
 
 #[test]
+fn another_name_that_is_offered_is_free() {
+    for (more, offered) in [
+        ("define: {length: 1}", "`l_`"),
+        ("define: {energy: 1}", "`E`"),
+        ("outputs: {E: x}\ndefine: {energy: 1}", "`E_`"),
+    ] {
+        let problems = load(&format!("{BASE}{more}\n"), &[]).err().unwrap_or_default();
+        assert!(
+            matches!(problems.as_slice(), [one] if one.code == "E203" && one.help.ends_with(offered)),
+            "{problems:?}"
+        );
+    }
+}
+
+#[test]
+fn a_gap_opens_along_its_normal_without_friction_too() {
+    let wall = |normal: &str| format!("{{gap: x, on: bead, normal: \"{normal}\"}}");
+    assert_eq!(marked(&format!("{BASE}contacts: {{wall: {}}}\n", wall("[1, 0]"))), []);
+    for normal in ["[-1, 0]", "[0, 1]"] {
+        let wall = wall(normal);
+        refused(&format!("contacts: {{wall: {wall}}}"), "E462", &wall);
+    }
+}
+
+#[test]
 fn what_may_depend_on_what() {
     refused("potential_energy: x'", "E213", "x'");
     refused("contacts: {wall: {gap: x', on: bead, normal: \"[1, 0]\"}}", "E213", "x'");

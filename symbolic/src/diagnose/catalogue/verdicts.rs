@@ -22,8 +22,8 @@ super::entries! {
     E507 balances_singular(system, state) "a system of balances that is singular"
         "`{system}` does not determine the accelerations" "singular at every state tried, such as {state}" "a balance may follow from others, or be identically zero: choose another point, or another direction with `along`"
         "A second derivation must be complete: its equations have to be independent.";
-    E508 empty_balance(label) "a balance that says nothing"
-        "{label} is identically zero" "" "one direction may be enough: say which with `along`"
+    E508 empty_balance(label, help) "a balance that says nothing"
+        "{label} is identically zero" "" "{help}"
         "An equation 0 = 0 determines nothing.";
     E509 changed_by(name, causes, help) "a quantity that some force changes"
         "`{name}` is not conserved: {causes}" "claimed to be conserved" "{help}"

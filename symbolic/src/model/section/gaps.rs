@@ -37,10 +37,9 @@ impl Resolver<'_> {
             let Some(opening) = self.opening(gap, approach) else { continue };
             match self.scale_of(&opening) {
                 Some(scale) => self.divide_multiplier(normal, scale),
-                None if alone && contact.tangent.is_some() => {
+                None if alone => {
                     self.builder.problems.push(mechanics::normal_not_across(contact.place.clone(), &contact.name));
                 }
-                // Without friction nothing asks for the force.
                 None => {}
             }
         }
