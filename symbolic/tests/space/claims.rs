@@ -105,5 +105,5 @@ scene: {until: 1}
 #[test]
 fn reactions_of_written_equations_are_held_against_bodies_in_space() {
     accepted(GEARS);
-    assert_eq!(codes(&with(GEARS, "first + k*second", "first + second")), ["E506"]);
+    assert_eq!(codes(&with(GEARS, "first + k*second", "first + second")), ["E512"]);
 }
