@@ -166,3 +166,55 @@ fn seeded_faults_in_one_derivation_are_found() {
     }
     assert!(planted >= 5, "{planted}");
 }
+
+/// A mass on two springs in series, the joint of which has no mass.
+const SERIES: &str = r#"
+name: Series
+parameters: {m: 2 kg, k: 30 N/m, c: 4 N/m}
+coordinates: {x: m, z: m}
+bodies: {b: {mass: m, position: "[x, 0]"}, j: {mass: 0, position: "[z, 0]"}}
+springs: {s: {between: ["[0, 0]", j], stiffness: k}, s2: {between: [j, b], stiffness: c}}
+balances: {equations: [BALANCES]}
+"#;
+
+#[test]
+fn balances_of_a_coordinate_without_mass_count_where_they_are_written() {
+    for balances in [
+        "{equation: m*x'' = -c*(x - z)}",
+        "{force: {of: b, along: ground.x}}",
+        "{force: {of: b, along: ground.x}}, {force: {of: j, along: ground.x}}",
+        "{equation: m*x'' = -c*(x - z)}, {equation: (c + k)*z'' = c*x''}",
+    ] {
+        let program = accepted(&SERIES.replace("BALANCES", balances));
+        let system = &program.momentum[0];
+        assert_eq!([system.right.len(), system.equations.len()], [2, 2], "{balances}: {:?}", system.equations);
+    }
+    for (balances, code) in [
+        ("{equation: m*x'' = -c*(x + z)}", "E506"),
+        ("{equation: m*x'' = -c*(x - z)}, {equation: (c + k)*z'' = 2*c*x''}", "E512"),
+        ("{equation: m*x'' = -c*(x - z)}, {equation: 2*m*x'' = -2*c*(x - z)}, {equation: (c + k)*z'' = c*x''}", "E414"),
+    ] {
+        let problems = refused(&SERIES.replace("BALANCES", balances));
+        let told: Vec<&str> = problems.iter().map(|p| p.code).collect();
+        assert_eq!(told, [code], "{balances}: {:?}", codes(&problems));
+    }
+}
+
+#[test]
+fn constraints_that_follow_from_others_do_not_count_in_a_system_of_balances() {
+    let with = |constraints: &str, balances: &str| {
+        format!(
+            "name: Bob\nparameters: {{m: 1 kg, l: 1 m, g: 9.81 m/s^2}}\ncoordinates: {{x: m, y: m}}\n\
+             bodies: {{b: {{mass: m, position: \"[x, y]\"}}}}\ngravity: [0, -g]\nconstraints: {{{constraints}}}\n\
+             balances: {{equations: [{balances}]}}\n"
+        )
+    };
+    let (twice, moment) = ("a: x^2 + y^2 - l^2, b: sqrt(x^2 + y^2) - l", "{moment: {about: [0, 0], of: b}}");
+    let program = accepted(&with(twice, moment));
+    let names: Vec<&str> = program.momentum[0].equations.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names, ["balance 1 (moment)", "the constraint a"]);
+    let problems = refused(&with(twice, &format!("{moment}, {{equation: \"x*y'' - y*x'' = g*x\"}}")));
+    assert!(problems.iter().any(|p| p.code == "E512"), "{:?}", codes(&problems));
+    let problems = refused(&with("a: x^2 + y^2 - l^2", &format!("{moment}, {{energy: {{}}}}")));
+    assert!(matches!(problems.as_slice(), [one] if one.code == "E414"), "{:?}", codes(&problems));
+}

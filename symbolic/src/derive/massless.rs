@@ -7,6 +7,7 @@
 use std::collections::BTreeSet;
 
 use super::Equations;
+use crate::diagnose::Place;
 use crate::expr::{Graph, Id, Symbol, jacobian};
 use crate::model::{Constraint, Model};
 
@@ -39,6 +40,12 @@ pub(super) fn balance(model: &mut Model, equations: &Equations) {
         model.constraints.push(constraint);
         model.phases.iter_mut().for_each(|phase| phase.constraints.push(index));
     }
+}
+
+/// How many of a model's constraints are such.
+pub fn count(model: &Model) -> usize {
+    let of_coordinate = |place: &Place| model.coordinates.iter().any(|coordinate| coordinate.place == *place);
+    model.constraints.iter().filter(|constraint| of_coordinate(&constraint.place)).count()
 }
 
 /// Whether a force on a coordinate, set to 0, determines it, or its speed where it contains speeds (false): it must be smooth,

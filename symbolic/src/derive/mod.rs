@@ -25,7 +25,7 @@ mod hidden;
 mod integrals;
 pub(crate) mod lagrange;
 mod least_constraint;
-mod massless;
+pub(crate) mod massless;
 pub(crate) mod momentum;
 mod reactions;
 mod switches;

@@ -21,6 +21,8 @@ pub struct Momentum {
     pub right: Vec<Id>,
     /// How many equations at the end are not balances but the constraints of the system's phase.
     pub constraints: usize,
+    /// The equations among those of the file and its constraints that these are, where some were left out that follow from others.
+    pub kept: Option<Vec<usize>>,
     /// Force and moment on every body, in the same unknowns, to compare reactions with; the rows of one body after the
     /// other's.
     pub bodies: Option<Box<Momentum>>,
@@ -38,6 +40,20 @@ pub struct Unformed {
 }
 
 impl Momentum {
+    /// The same with some of the equations.
+    pub fn only(&self, kept: &[usize]) -> Momentum {
+        let balances = self.right.len() - self.constraints;
+        let place = |row: usize| kept.iter().position(|k| *k == row);
+        let entries = self.matrix.iter().filter_map(|(row, column, value)| Some((place(*row)?, *column, *value)));
+        Momentum {
+            matrix: entries.collect(),
+            right: kept.iter().map(|row| self.right[*row]).collect(),
+            constraints: kept.iter().filter(|row| **row >= balances).count(),
+            kept: Some(kept.to_vec()),
+            ..self.clone()
+        }
+    }
+
     /// True where A contains an unknown, so that the equations are not linear.
     pub fn is_nonlinear(&self, graph: &Graph) -> bool {
         let along = self.unformed.iter().flat_map(|unformed| unformed.along.iter().copied());
@@ -71,7 +87,7 @@ fn unformed(model: &mut Model, system: &BalanceSystem, known: &[Switch]) -> Mome
     });
     let along = values.iter().map(|value| forward.of(graph, *value)).collect();
     let unformed = Some(Unformed { values, along });
-    Momentum { unknowns, matrix: Vec::new(), right: Vec::new(), constraints: 0, bodies: None, unformed }
+    Momentum { unknowns, matrix: Vec::new(), right: Vec::new(), constraints: 0, kept: None, bodies: None, unformed }
 }
 
 /// The sums of the parts of all balances, component by component.
@@ -138,7 +154,7 @@ fn solved_for(graph: &mut Graph, residuals: &[Id], unknowns: &[Symbol], known: &
     let matrix = slopes(graph, &residuals, unknowns);
     let zero = unknowns.iter().map(|s| (*s, Id::ZERO)).collect();
     let right = substitute(graph, &residuals, &zero).into_iter().map(|rest| graph.neg(rest)).collect();
-    Momentum { unknowns: unknowns.to_vec(), matrix, right, constraints: 0, bodies: None, unformed: None }
+    Momentum { unknowns: unknowns.to_vec(), matrix, right, constraints: 0, kept: None, bodies: None, unformed: None }
 }
 
 /// The unknowns of a system: accelerations, then the components of its reactions, then the multipliers that stand in it.

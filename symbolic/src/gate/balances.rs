@@ -6,6 +6,7 @@
 
 use super::Gate;
 use super::causes::Causes;
+use super::counting;
 use super::motion::Motion;
 use super::report::Agreement;
 use super::results::{self, Values};
@@ -26,16 +27,35 @@ const ROUNDED: f64 = 1e-28;
 /// An acceleration that differs by this part of its terms is wrong.
 const ROW: f64 = 1e-9;
 
+/// What was found of systems that agree.
+#[derive(Default)]
+pub(super) struct Agreed {
+    pub agreements: Vec<Agreement>,
+    /// Reactions that nothing confirms, in words.
+    pub alone: Vec<String>,
+    /// Systems, by their places, without equations that follow from others.
+    pub fewer: Vec<(usize, Momentum)>,
+}
+
+/// What comparing a system that agrees tells.
+struct Compared {
+    agreement: Agreement,
+    /// What it does not tell from rounding, in words.
+    hidden: Option<String>,
+    /// The system without equations that follow from others, where it has such.
+    fewer: Option<Momentum>,
+}
+
 /// Compares every system at every state.
 pub(super) fn agree(
     model: &mut Model,
     (motion, momentum): (&Motion, &[Momentum]),
     (states, ranks): (&[State], &[usize]),
     gate: Gate,
-) -> Result<(Vec<Agreement>, Vec<String>), Vec<Problem>> {
-    let (mut agreements, mut alone, mut problems) = (Vec::new(), Vec::new(), Vec::new());
+) -> Result<Agreed, Vec<Problem>> {
+    let (mut agreed, mut problems) = (Agreed::default(), Vec::new());
     let (systems, mut sound) = (model.balances.clone(), Vec::new());
-    for (system, linear) in systems.iter().zip(momentum) {
+    for (k, (system, linear)) in systems.iter().zip(momentum).enumerate() {
         if linear.is_nonlinear(&model.graph) {
             problems.extend(nonlinear(&mut model.graph, system, &linear.unknowns));
             continue;
@@ -45,14 +65,16 @@ pub(super) fn agree(
         let agreement = match &linear.unformed {
             Some(unformed) => {
                 let agreement = unformed::agree(model, (system, unformed), &own, gate);
-                agreement.map(|agreement| (agreement, None)).map_err(|problem| vec![*problem])
+                let whole = |agreement| Compared { agreement, hidden: None, fewer: None };
+                agreement.map(whole).map_err(|problem| vec![*problem])
             }
             None => compare(model, motion, (system, linear), (&own, ranks), gate),
         };
         match agreement {
-            Ok((agreement, hidden)) => {
-                agreements.push(agreement);
-                alone.extend(hidden);
+            Ok(Compared { agreement, hidden, fewer }) => {
+                agreed.agreements.push(agreement);
+                agreed.alone.extend(hidden);
+                agreed.fewer.extend(fewer.map(|equations| (k, equations)));
                 sound.push((system, linear));
             }
             Err(found) => problems.extend(found),
@@ -70,12 +92,12 @@ pub(super) fn agree(
             let of_phase = |state: &&State| system.phases.contains(&state.phase);
             let own: Vec<State> = states.iter().filter(of_phase).cloned().collect();
             match results(model, motion, (system, linear), &own, gate) {
-                Ok(words) => alone.extend(words),
+                Ok(words) => agreed.alone.extend(words),
                 Err(found) => problems.extend(found),
             }
         }
     }
-    if problems.is_empty() { Ok((agreements, alone)) } else { Err(problems) }
+    if problems.is_empty() { Ok(agreed) } else { Err(problems) }
 }
 
 /// Whether multipliers are unique in all phases of a system: those of constraints that depend on each other are not.
@@ -176,11 +198,14 @@ fn compare(
     (system, linear): (&BalanceSystem, &Momentum),
     (states, ranks): (&[State], &[usize]),
     gate: Gate,
-) -> Result<(Agreement, Option<String>), Vec<Problem>> {
+) -> Result<Compared, Vec<Problem>> {
     let assembled = Assembled::derived(&model.graph, linear, states);
+    // What says something without an acceleration may be what determines a coordinate without mass.
+    let idle = |a: &Assembled, equation: usize| linear.constraints == 0 || a.rest[equation].magnitude == 0.0;
     let silent = |equation: usize| {
         let line = |a: &Assembled| a.matrix[equation * a.size..][..a.size].to_vec();
-        !assembled.is_empty() && assembled.iter().all(|a| line(a).iter().all(|c| c.vanishes(1e6)))
+        let nothing = |a: &Assembled| idle(a, equation) && line(a).iter().all(|c| c.vanishes(1e6));
+        !assembled.is_empty() && assembled.iter().all(nothing)
     };
     let mut first = 0;
     for balance in &system.balances {
@@ -197,6 +222,10 @@ fn compare(
         }
         worst = worst.max(found.relative);
     }
+    let agreement = Agreement { between: ("Lagrange".to_owned(), system.name.clone()), states: states.len(), worst };
+    if let Some(fewer) = counting::square(model, (system, linear), &assembled).map_err(|problem| vec![*problem])? {
+        return Ok(Compared { agreement, hidden: None, fewer: Some(fewer) });
+    }
     let solved = Solved::of(&assembled, states);
     if let Some(k) = solved.differs.filter(|_| gate.rows) {
         let found = residual(&assembled[k], &states[k], gate);
@@ -211,8 +240,7 @@ fn compare(
         let state = states.first().map_or_else(String::new, |s| describe(model, s));
         return Err(vec![verdicts::balances_singular(system.place.clone(), &system.name, state)]);
     }
-    let agreement = Agreement { between: ("Lagrange".to_owned(), system.name.clone()), states: states.len(), worst };
-    Ok((agreement, hidden))
+    Ok(Compared { agreement, hidden, fewer: None })
 }
 
 /// The accelerations that a system gives by itself, beside Lagrange's: every equation may hold by its own terms, and those of a heavy body hide

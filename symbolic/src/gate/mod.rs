@@ -5,6 +5,7 @@
 //! 3. It does not matter which body takes a load at a hinge: look in `hinge_ambiguity`.
 //! 4. Systems of momentum balances hold, and determine the motion: look in `balances`; which balances of
 //!    one that does not are wrong is found in `suspects`, what would mend them in `causes`.
+//!    Equations that follow from others are left out: `counting`.
 //!    Their reactions are compared with force and moment on bodies: `results`.
 //!    So do they integrated over the instant of an impact: `impulses`.  What impacts change is found in `impacts`.
 //! 5. Forces are tested for potentials (`potential`) and for being counted twice (`double_counting`); what each entry does is in
@@ -32,6 +33,7 @@ mod coarse_events;
 mod combinations;
 mod common_inputs;
 mod contact_states;
+mod counting;
 mod cyclic;
 mod dense;
 mod dependent;
@@ -199,12 +201,14 @@ impl Gate {
             Err(problem) => problems.push(*problem),
         }
         // Where it matters which body takes a load, there is no one second derivation to compare.
+        let mut fewer = Vec::new();
         let unclear = hinge_ambiguity::ambiguous(model, momentum, &states.all);
         if unclear.is_empty() {
             match balances::agree(model, (&motion, momentum), (&states.all, &report.ranks), self) {
-                Ok((agreements, alone)) => {
-                    report.agreements.extend(agreements);
-                    report.alone = alone;
+                Ok(agreed) => {
+                    report.agreements.extend(agreed.agreements);
+                    report.alone = agreed.alone;
+                    fewer = agreed.fewer;
                 }
                 Err(found) => problems.extend(found),
             }
@@ -215,6 +219,9 @@ impl Gate {
                     Err(found) => problems.extend(found),
                 }
             }
+        }
+        for (k, equations) in fewer {
+            momentum[k] = equations;
         }
         problems.extend(unclear);
         problems.extend(self.forces((model, rows), &motion, &states, &mut report));

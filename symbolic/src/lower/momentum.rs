@@ -58,7 +58,11 @@ pub(super) fn form(program: &mut Program) {
 }
 
 fn lower(model: &mut Model, system: &BalanceSystem, linear: Momentum, named: &[(usize, Symbol)]) -> MomentumSystem {
-    let Momentum { unknowns, matrix, right, .. } = linear;
+    let Momentum { unknowns, matrix, right, kept, .. } = linear;
+    let mut equations = equation_names(model, system);
+    if let Some(kept) = kept {
+        equations = kept.into_iter().map(|row| equations[row].clone()).collect();
+    }
     let outputs = named.iter().filter_map(|(place, s)| Some((*place, unknowns.iter().position(|u| u == s)?)));
     let outputs = outputs.collect();
     let (mut matrix, right) = cheapest(&mut model.graph, matrix, right);
@@ -69,7 +73,7 @@ fn lower(model: &mut Model, system: &BalanceSystem, linear: Momentum, named: &[(
         name: system.name.clone(),
         phases: system.phases.clone(),
         unknowns: unknown_names(model, system, &unknowns),
-        equations: equation_names(model, system),
+        equations,
         operations: operations(&model.graph, &roots),
         outputs,
         matrix,

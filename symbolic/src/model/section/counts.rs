@@ -23,7 +23,10 @@ impl Resolver<'_> {
             let mut rows = self.active_rows(phase);
             rows.retain(|row| !contacts.contains(row));
             let multipliers = self.multipliers(system, phase, &rows);
-            if equations + rows.len() == accelerations + states + reactions + multipliers.len() {
+            let (given, needed) = (equations + rows.len(), accelerations + states + reactions + multipliers.len());
+            // Rows may depend on each other, and the force on a coordinate without mass is a constraint: this is told when states are known.
+            let (surplus, missing) = (given.saturating_sub(needed), needed.saturating_sub(given));
+            if surplus <= rows.len() && missing <= self.of_massless_bodies() {
                 continue;
             }
             let name = &self.model.phases[phase].name;
@@ -62,6 +65,14 @@ impl Resolver<'_> {
         let rows = self.active_rows(phase);
         let unknowns = self.model.mechanical() + reactions + self.multipliers(system, phase, &rows).len();
         unknowns.saturating_sub(rows.len())
+    }
+
+    /// How many coordinates move points without mass, which nothing else may resist.
+    fn of_massless_bodies(&mut self) -> usize {
+        let massless = self.model.bodies.iter().filter(|body| body.mass == Id::ZERO);
+        let positions: Vec<Id> = massless.flat_map(|body| body.position.clone()).collect();
+        let symbols = self.builder.graph.symbols(positions);
+        symbols.into_iter().filter(|s| matches!(s, Symbol::Coordinate(_))).count()
     }
 
     /// The rows of all contacts.
