@@ -230,9 +230,10 @@ fn compare(
     if let Some(k) = solved.differs.filter(|_| gate.rows) {
         let found = residual(&assembled[k], &states[k], gate);
         // Each equation holds by its own terms, so that no change of one term tells.
-        let help = "terms of very different sizes hide which of them it is: take balances in which large ones do not stand";
-        let balances = vec![owner(system, found.equation)];
-        let suspect = Suspect { balances, one_of: false, block: Vec::new(), state: k, relative: found.relative };
+        let help =
+            "terms of very different sizes hide which of them it is: take balances in which large ones do not stand";
+        let balances = (0..system.balances.len()).collect();
+        let suspect = Suspect { balances, one_of: true, block: Vec::new(), state: k, relative: found.relative };
         return Err(vec![problem(model, system, (&assembled[k], &states[k]), &suspect, help.to_owned())]);
     }
     let hidden = solved.words(model, system);
