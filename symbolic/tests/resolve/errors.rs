@@ -111,11 +111,14 @@ fn another_name_that_is_offered_is_free() {
 
 #[test]
 fn a_gap_opens_along_its_normal_without_friction_too() {
-    let wall = |normal: &str| format!("{{gap: x, on: bead, normal: \"{normal}\"}}");
+    let wall = |normal: &str| format!("{{gap: x, on: bead, at: bead, normal: \"{normal}\"}}");
     assert_eq!(marked(&format!("{BASE}contacts: {{wall: {}}}\n", wall("[1, 0]"))), []);
     for normal in ["[-1, 0]", "[0, 1]"] {
         let wall = wall(normal);
         refused(&format!("contacts: {{wall: {wall}}}"), "E462", &wall);
+        // Where nobody says at which point it acts, the gap tells what it does.
+        let nowhere = wall.replace("at: bead, ", "");
+        assert_eq!(marked(&format!("{BASE}contacts: {{wall: {nowhere}}}\n")), []);
     }
 }
 

@@ -46,6 +46,13 @@ pub struct ContactText {
     pub(super) place: Place,
 }
 
+impl ContactText {
+    /// Whether the file says at which point it acts.
+    pub fn says_where(&self) -> bool {
+        matches!(&self.kind, Kind::Contact(touching) if touching.at.is_some())
+    }
+}
+
 #[derive(Clone)]
 enum Kind {
     /// `friction`.

@@ -37,9 +37,10 @@ impl Resolver<'_> {
             let Some(opening) = self.opening(gap, approach) else { continue };
             match self.scale_of(&opening) {
                 Some(scale) => self.divide_multiplier(normal, scale),
-                None if alone => {
+                None if alone && (contact.tangent.is_some() || contact.says_where()) => {
                     self.builder.problems.push(mechanics::normal_not_across(contact.place.clone(), &contact.name));
                 }
+                // Where nobody says at which point it acts nothing asks for the force across.
                 None => {}
             }
         }
