@@ -341,7 +341,9 @@ impl Sampler {
             sum += (self.value(function) - value).abs();
         }
         // Bodies that touch far from where places are measured from have a gap that is the difference of these places.
-        sum + self.terms_of_gap(system, function, (t, y)).map_or(0.0, |(terms, _)| ROUNDINGS * terms)
+        let event = Some(function).filter(|function| *function < system.description().events.len());
+        let terms = event.and_then(|event| self.terms_of_gap(system, event, (t, y)));
+        sum + terms.map_or(0.0, |(terms, _)| ROUNDINGS * terms)
     }
 
     /// The accelerations of the last state that was evaluated with its own.
