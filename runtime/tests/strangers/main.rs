@@ -11,6 +11,7 @@ mod events;
 mod extremes;
 mod false_alarms;
 mod fits;
+mod found_steps;
 mod gaps;
 mod gimbal_lock;
 mod limits;
