@@ -379,7 +379,8 @@ fn kinks_of_an_input_in_time_are_none_of_small_motions() {
         )
     };
     close(omegas(&run(&text("guide: s"), &[]))[0], 20.0, 1e-12);
-    // A constraint that is kinked where it rests is one.
-    let refused = try_run(&text("guide: s - abs(x)"), &[]).unwrap_err();
+    // A force that is kinked where it rests is one.
+    let kinked = text("guide: s").replace("constraints", "generalized_forces: {x: -k*abs(x)}\nconstraints");
+    let refused = try_run(&kinked, &[]).unwrap_err();
     contains(&refused, &["`x`"]);
 }

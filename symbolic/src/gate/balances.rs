@@ -370,7 +370,7 @@ fn problem(
     let gap = |i: &usize| {
         let (x, y) = (solution[*i], state.a[*i]);
         let gap = (x.value - y.value).abs().to_f64();
-        let differs = !Gate::default().agrees(gap, x.magnitude + y.magnitude, 0.0);
+        let differs = gap > ROUNDED * (x.magnitude + y.magnitude);
         differs.then(|| gap / x.value.to_f64().abs().max(y.value.to_f64().abs()))
     };
     let gaps = (0..state.a.len()).filter(|_| !solution.is_empty()).filter(stands).filter_map(|i| Some((i, gap(&i)?)));

@@ -118,7 +118,7 @@ fn what_slips_forwards_is_judged_where_it_slides_forwards() {
         rubbing(&format!("balances: {{equations: [{{equation: \"m*x'' = {right}\"}}]}}"))
     };
     accepted(&equation("-"));
-    refused(&equation("+"), "E506");
+    refused(&equation("+"), "E517");
     let loss = |right: &str| {
         rubbing(&format!("checks: {{loss: \"rate(energy) = {right}\"}}")).replace("rate: x' - v", "rate: x'")
     };

@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{Complex, DVector};
 
 use super::Observed;
 use super::harmonic::REACHED;
@@ -98,14 +98,8 @@ impl Steady {
     /// [`LinearError::ReactionToForce`] for reactions to generalized forces.
     pub fn answers(&self, drive: &Drive, observed: &Observed) -> Result<Vec<Option<Complex<f64>>>, LinearError> {
         observed.admits(drive)?;
-        let mut found = observed.without_rounding(&self.total, drive, self.omega);
+        let found = observed.without_rounding((&self.total, self.growth.as_deref()), drive, self.omega);
         let Some(growth) = &self.growth else { return Ok(found.into_iter().map(Some).collect()) };
-        // With x = (X + G t) e^(iΩt), x' = (iΩ x + G e^(iΩt)) and x'' = (−Ω² x + 2iΩ G e^(iΩt)).
-        let growth_vector = DVector::from_column_slice(growth);
-        let complex = |slopes: &DMatrix<f64>| slopes.map(Complex::from);
-        let beside = (complex(&observed.rate) + complex(&observed.acceleration) * Complex::new(0.0, 2.0 * self.omega))
-            * growth_vector;
-        found.iter_mut().zip(beside.iter()).for_each(|(x, beside)| *x += *beside);
         let grows = observed.of(growth, &Drive::default(), self.omega);
         let most = growth.iter().fold(0.0_f64, |most, x| most.max(x.norm()));
         let bounded =

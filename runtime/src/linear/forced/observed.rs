@@ -168,10 +168,22 @@ impl Observed {
         slopes[0] + omega * slopes[1] + omega * omega * slopes[2]
     }
 
-    /// [`Observed::of`] with 0 in the place of what is no more than rounding of its terms.
-    pub(super) fn without_rounding(&self, x: &[Complex<f64>], drive: &Drive, omega: f64) -> Vec<Complex<f64>> {
+    /// [`Observed::of`] with 0 in the place of what is no more than rounding of its terms; of x + G t, what stays bounded: then rates are
+    /// iΩ x + G, and accelerations −Ω² x + 2iΩ G.
+    pub(super) fn without_rounding(
+        &self,
+        (x, growth): (&[Complex<f64>], Option<&[Complex<f64>]>),
+        drive: &Drive,
+        omega: f64,
+    ) -> Vec<Complex<f64>> {
         let mut found = self.of(x, drive, omega);
         for (row, y) in found.iter_mut().enumerate() {
+            let grown = growth.into_iter().flatten().enumerate().map(|(i, growth)| {
+                let turned = Complex::new(0.0, 2.0 * omega) * self.acceleration[(row, i)];
+                growth * (turned + self.rate[(row, i)])
+            });
+            let grown: Vec<Complex<f64>> = grown.collect();
+            *y += grown.iter().sum::<Complex<f64>>();
             let put_in = |(source, amplitude): &(Source, Complex<f64>)| match source {
                 Source::Input(k) => {
                     let input = |order: usize| self.input[(row, 3 * k + order)].abs();
@@ -180,7 +192,7 @@ impl Observed {
                 Source::Force(k) => self.force[(row, *k)].abs() * amplitude.norm(),
             };
             let moved = x.iter().enumerate().map(|(i, x)| self.slope_size(row, i, omega) * x.norm());
-            let terms = moved.chain(drive.parts.iter().map(put_in)).sum::<f64>();
+            let terms = moved.chain(drive.parts.iter().map(put_in)).chain(grown.iter().map(|x| x.norm())).sum::<f64>();
             if y.norm() <= ROUNDING * terms {
                 *y = Complex::ZERO;
             }

@@ -57,7 +57,7 @@ impl Linearised {
     ) -> Result<Vec<Option<Vec<Complex<f64>>>>, LinearError> {
         observed.admits(drive)?;
         let found = self.frequency_response(drive, omegas)?.into_iter().zip(omegas);
-        Ok(found.map(|(x, omega)| Some(observed.without_rounding(&x?, drive, *omega))).collect())
+        Ok(found.map(|(x, omega)| Some(observed.without_rounding((&x?, None), drive, *omega))).collect())
     }
 
     /// The response of some answers over a range of frequencies, rad/s (`None`: about those of the modes), sampled as
