@@ -36,7 +36,7 @@ fn a_narrow_barrier_turns_a_particle_back_or_no_digit_is_promised() {
 /// Where a motion begins by standing still, the step that suits it is found when it is pushed.
 #[test]
 fn a_motion_that_begins_later_has_a_step_of_its_own() {
-    let text = "name: Late\nparameters: {m: 1 kg, k: 100 N/m, F: 3 N}\ncoordinates: {x: m}\ninputs: {u: F*step(t - 40 s)}\n\
+    let text = "name: Late\nparameters: {m: 1 kg, k: 100 N/m, F: 3 N, t1: 40 s}\ncoordinates: {x: m}\ninputs: {u: F*step(t - t1)}\n\
         bodies: {b: {mass: m, position: \"[x, 0]\"}}\ngeneralized_forces: {x: -k*x + u}\nscene: {start: {x: 0}, until: 60}\n";
     for method in [Method::Gauss4, Method::Gauss6, Method::KahanLi8] {
         let found = run(text, method, (None, None));
