@@ -286,11 +286,13 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
         let coordinate = system.description().coordinate_name(coordinate);
         recorder.warn(Warning::OtherBranch { coordinate, here, there });
     }
-    if let Some(step) = step {
+    // One step for all of the way is found where the motion tells nothing yet.
+    let judged = step.filter(|step| settings.step.is_some() || *step < settings.until - settings.from);
+    if let Some(step) = judged {
         let at = (settings.from, settings.q.as_slice(), settings.v.as_slice());
         let warning = check_step(system, at, method, step, settings.until - settings.from);
         warning.into_iter().for_each(|warning| recorder.warn(warning));
-    } else if tolerance > settings.tolerance && settings.attainable().is_ok() {
+    } else if step.is_none() && tolerance > settings.tolerance && settings.attainable().is_ok() {
         recorder.warn(Warning::ToleranceTooTight { asked: settings.tolerance, used: tolerance });
     }
     Ok(Start { integration, recorder, outcome })
