@@ -1,7 +1,7 @@
 //! The equations of a mechanism as functions of time and state, for integrators and optimisers of Python.
 
 use dalembert::mechanism::{At, Description, Singular, System, choose_sides, rate_jacobian};
-use dalembert::{Settings, simulate};
+use dalembert::{Settings, initial_state};
 use numpy::ndarray::Array2;
 use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArrayLike1};
 use pyo3::exceptions::PyValueError;
@@ -16,9 +16,6 @@ pub struct Equations {
     system: Box<dyn System>,
     scene: usize,
 }
-
-/// The part of a run that is done to know its start.
-const BEGINNING: f64 = 1e-6;
 
 type State<'py> = PyArrayLike1<'py, f64, AllowTypeChange>;
 type Numbers<'py> = PyResult<Bound<'py, PyArray1<f64>>>;
@@ -124,10 +121,8 @@ impl Equations {
                 return Ok([scene.q, scene.v].concat());
             }
             settings.phase = system.phase();
-            settings.until = settings.from + BEGINNING * (settings.until - settings.from);
-            settings.ignored_events = (0..self.description().events.len()).collect();
-            let run = simulate(&mut *system, &settings);
-            let first = run.map_err(|error| made(py, "EvaluationError", (error.to_string(),)))?.first();
+            let first = initial_state(&mut *system, &settings);
+            let first = first.map_err(|error| made(py, "EvaluationError", (error.to_string(),)))?;
             Ok([first.q, first.v].concat())
         })?;
         Ok(PyArray1::from_vec(py, start))

@@ -45,7 +45,7 @@ use crate::error::Error;
 use crate::events::{Ticks, begin_at, begin_at_state};
 use crate::integrate::Tolerance;
 use crate::mechanism::{Action, Enforcement, Method, RowHistory, Stabilisation, System};
-use crate::run::{Failure, Names, Plan, Recorder, Run};
+use crate::run::{Failure, Names, Plan, Recorder, Run, State};
 use crate::stopwatch::Stopwatch;
 use crate::trust::{Warning, check_step, explain_lock, not_unique, positive_inertia};
 
@@ -55,6 +55,46 @@ use crate::trust::{Warning, check_step, explain_lock, not_unique, positive_inert
 /// A setting without meaning, or [`Error::Run`] with the time, the state and what was computed until then.
 pub fn simulate(system: &mut dyn System, settings: &Settings) -> Result<Run, Error> {
     simulate_with(system, settings, &mut |_| ControlFlow::Continue(()))
+}
+
+/// The part of a run that is done to know its start.
+const BEGINNING: f64 = 1e-6;
+
+/// The state in which a run begins: on the constraints in force, before any event.
+///
+/// # Errors
+/// As [`simulate`].
+///
+/// # Example
+/// A bob on a rod of 5 m that is held 3 m to the side is 4 m deep:
+/// ```
+/// use dalembert::mechanism::Dynamic;
+/// use dalembert::{Settings, initial_state};
+/// # mod example {
+/// dalembert::model!(yaml = r#"
+/// name: Hung
+/// parameters: {m: 1 kg, l: 5 m, g: 10 m/s^2}
+/// coordinates: {x: m, y: m}
+/// bodies: {bob: {mass: m, position: "[x, y]"}}
+/// gravity: [0, -g]
+/// constraints: {rod: x^2 + y^2 - l^2}
+/// scene: {start: {x: 3}, guess: {y: -1}, until: 1}
+/// "#);
+/// # }
+/// # use example::Hung;
+/// let mut system = Dynamic::new(Hung::default());
+/// let settings = Settings::of_scene(&system, 0);
+/// let start = initial_state(&mut system, &settings)?;
+/// assert!((start["y"] + 4.0).abs() < 1e-12);
+/// # Ok::<(), dalembert::Error>(())
+/// ```
+pub fn initial_state(system: &mut dyn System, settings: &Settings) -> Result<State, Error> {
+    let beginning = Settings {
+        until: settings.from + BEGINNING * (settings.until - settings.from),
+        ignored_events: (0..system.description().events.len()).collect(),
+        ..settings.clone()
+    };
+    Ok(simulate(system, &beginning)?.first())
 }
 
 /// Runs a mechanism, and tells `progress` the time that was reached after every step, until it breaks off.

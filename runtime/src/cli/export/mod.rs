@@ -16,12 +16,10 @@ use self::fmu::Fmi;
 use super::load::Loaded;
 use super::set_up::set_up;
 use super::{Context, Problem, outputs};
-use crate::{Settings, simulate};
+use crate::initial_state;
 
 /// Tolerances of an FMU's own integration are no tighter: beyond them its method of order 5 takes too many steps.
 const TIGHTEST: f64 = 1e-10;
-/// The part of a run that is done to know its start.
-const BEGINNING: f64 = 1e-6;
 
 /// Writes what was asked for.
 pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
@@ -80,13 +78,8 @@ fn start(loaded: &mut Loaded, options: &ArgMatches) -> Result<Start, Problem> {
     let memory = settings.memory.clone().unwrap_or_else(|| system.scene_memory(0));
     let mut inputs = vec![0.0; 3 * system.description().inputs.len()];
     system.inputs(settings.from, &mut inputs);
-    let beginning = Settings {
-        until: settings.from + BEGINNING * (settings.until - settings.from),
-        // What happens at the start is left to the FMU.
-        ignored_events: (0..system.description().events.len()).collect(),
-        ..settings.clone()
-    };
-    let first = simulate(system, &beginning).map_err(|error| Problem::Run(error.to_string()))?.first();
+    // What happens at the start is left to the FMU.
+    let first = initial_state(system, &settings).map_err(|error| Problem::Run(error.to_string()))?;
     Ok(Start {
         token: format!("{{{:016x}}}", print::fnv1a(&loaded.source)),
         parameters: system.parameters(),
