@@ -11,7 +11,7 @@ use crate::trust::positive_inertia;
 
 /// Holds the dense output of steps against the equations at one point inside each.
 ///
-/// A lie detector only: what is smooth passes by far, see [`Defect::MOST`].  The point is drawn, mostly from the largest
+/// It notices gross errors only: what is smooth passes by far, see [`Defect::MOST`].  The point is drawn, mostly from the largest
 /// gap between the stages of DOP853.
 #[derive(Clone, Debug)]
 pub(super) struct Defect {
@@ -23,7 +23,7 @@ pub(super) struct Defect {
 }
 
 impl Defect {
-    /// Steps whose defect over their length is more than this times the tolerance are lies.
+    /// Steps whose defect over their length is more than this times the tolerance do not follow the equations.
     pub const MOST: f64 = 1e3;
 
     /// At the start of an integration of states of this size.
@@ -82,7 +82,9 @@ impl Integration {
             }
             self.dense(system, step)?;
             if let StepPolicy::Fixed(_) = self.policy {
-                if !has_no_feature && self.cut(system, step, locator).is_some() && self.passes_over(system) {
+                // Once is enough to be told.
+                let looks = !has_no_feature && self.passed_over.is_none();
+                if looks && self.cut(system, step, locator).is_some() && self.passes_over(system) {
                     self.work.retries += 1;
                     continue;
                 }

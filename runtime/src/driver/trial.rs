@@ -109,8 +109,8 @@ impl Integration {
         }
     }
 
-    /// Halves the step that was found, within which something is passed over, until one from the present state is no lie by the measure of
-    /// [`Defect`]; false where it was given, or times tell no shorter one apart.
+    /// Halves the step that was found, within which something is passed over, until the error of one from the present state is no more than
+    /// [`Defect::MOST`]; false where it was given, or times tell no shorter one apart.
     pub(super) fn halve_found_step(&mut self, system: &dyn System) -> bool {
         let (StepPolicy::Fixed(whole), Some(found)) = (&self.policy, &self.found) else { return false };
         let (now, y) = (self.clock.now(), self.stepper.start().y);

@@ -29,6 +29,9 @@ pub struct Locus {
     critical: Option<Vec<CriticalSpeed>>,
 }
 
+/// Digits of thresholds at most: they are bisected to some more, and rounding of eigenvalues takes these.
+const DIGITS: f64 = 10.0;
+
 impl Locus {
     /// Follows the equilibrium, or the steady motion with these speeds, while the parameter changes, and draws; `None` if that
     /// is not asked for.
@@ -213,9 +216,8 @@ impl Locus {
         value.abs() <= 1e-12 * (self.range.1 - self.range.0).abs()
     }
 
-    /// With ten digits, as thresholds deserve, or as many as an uncertainty leaves.
+    /// With as many digits as an uncertainty leaves.
     fn exactly(&self, value: f64, uncertainty: f64) -> String {
-        const DIGITS: f64 = 10.0;
         let digits = (-(uncertainty / value.abs()).log10()).floor().clamp(1.0, DIGITS) as usize;
         let text = match self.is_zero(value) || value.abs() <= uncertainty {
             true => "0".to_owned(),

@@ -9,7 +9,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 use super::state::{ConstrainedState, State, Turning};
 use super::tangent::{FAR, ITERATIONS, LATER, SAME, null_space};
 use super::turns::{Symmetries, later};
-use crate::linear::matrices::{expm, first_part, natural_sizes};
+use crate::linear::matrices::{expm, natural_sizes, tried_parts};
 use crate::linear::{FirstOrder, Guess, LinearError, Stability, first_order_modes};
 use crate::matrix::solve_least;
 use crate::mechanism::System;
@@ -150,7 +150,7 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
             let right = DMatrix::from_column_slice(all, 1, left.as_slice());
             let Some(step) = solve_least(&slopes, &right) else { return Err(self.nowhere(&state, iterations)) };
             let sizes = natural_sizes(&self.units(), &state.q);
-            let moved = |part: &f64| {
+            let moved = |part: f64| {
                 // What rounding alone moves stays where it is.
                 let next = |i: usize| match step[i].abs() <= f64::EPSILON * sizes[i] {
                     true => state.q[i],
@@ -160,10 +160,8 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
                 let tried = self.along(symmetries, &q, &guess.v).ok()?;
                 (self.equations_left(&tried, all).left.norm() < left.norm()).then_some(tried)
             };
-            let first = first_part(&self.units(), &state.q, step.as_slice());
-            let halves =
-                std::iter::successors(Some(first), |part| Some(0.5 * part)).take_while(|part| *part > 1e-6 * first);
-            let Some(better) = halves.collect::<Vec<f64>>().iter().find_map(moved) else { break };
+            let mut parts = tried_parts(&self.units(), &state.q, step.as_slice());
+            let Some(better) = parts.find_map(moved) else { break };
             state = better;
             iterations += 1;
         }

@@ -12,7 +12,7 @@ use super::on_its_sides;
 use super::state::{ConstrainedState, State};
 use crate::constrain::{Projection, Start, consistent};
 use crate::linear::equilibrium::{ConvergenceHistory, RELAXATIONS, beside};
-use crate::linear::matrices::{first_part, is_lost, natural_sizes};
+use crate::linear::matrices::{is_lost, natural_sizes, tried_parts};
 use crate::linear::{Equilibrium, Guess, LinearError, Linearised, Mode, ZeroStiffness};
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{constraint_triples, mass_matrix};
@@ -263,10 +263,8 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
                 self.keep_lengths(&mut next.q, from);
                 (part, next)
             };
-            let first = first_part(&self.units(), &state.q, step.as_slice());
-            let halves =
-                std::iter::successors(Some(first), |part| Some(0.5 * part)).take_while(|part| *part > 1e-6 * first);
-            let better = halves.map(moved).find(|(_, next)| size(next) < before);
+            let parts = tried_parts(&self.units(), &state.q, step.as_slice());
+            let better = parts.map(moved).find(|(_, next)| size(next) < before);
             let sizes = natural_sizes(&self.units(), &state.q);
             let largest = step.iter().zip(&sizes).fold(0.0_f64, |most, (step, size)| most.max(step.abs() / size));
             match better {

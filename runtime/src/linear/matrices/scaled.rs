@@ -54,6 +54,12 @@ pub fn first_part<U: AsRef<str>>(units: &[U], numbers: &[f64], step: &[f64]) -> 
     angles.map(|(_, turn)| part(turn)).fold(1.0, f64::min)
 }
 
+/// The parts of a step that are tried: from [`first_part`] on ever halves, to a millionth of it.
+pub fn tried_parts<U: AsRef<str>>(units: &[U], numbers: &[f64], step: &[f64]) -> impl Iterator<Item = f64> + use<U> {
+    let first = first_part(units, numbers, step);
+    std::iter::successors(Some(first), |part| Some(0.5 * part)).take_while(move |part| *part > 1e-6 * first)
+}
+
 /// An orthonormal basis of the null space of a square matrix, by the singular values of the equilibrated one.
 pub fn null_space(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let n = matrix.nrows();
