@@ -6,11 +6,11 @@
 
 use super::Gate;
 use super::causes::Causes;
-use super::counting;
 use super::motion::Motion;
 use super::report::Agreement;
 use super::results::{self, Values};
 use super::state::{State, describe};
+use super::surplus;
 use super::suspects::{Suspect, suspects};
 use super::system::Assembled;
 use super::unformed;
@@ -123,7 +123,7 @@ fn results(
     let reactions = results::presumed(model, motion, (system, linear), (&with_multipliers, states));
     let multipliers = multipliers(linear, states);
     let (_, suspects) = suspects(system, &assembled, (&reactions, &multipliers), (states, gate));
-    let problem = |suspect: &Suspect| against_constraint(model, system, suspect, states);
+    let problem = |suspect: &Suspect| against_constraint(model, system, suspect, states, None);
     Err(suspects.iter().map(problem).collect())
 }
 
@@ -134,13 +134,22 @@ fn multipliers(linear: &Momentum, states: &[State]) -> Vec<Values> {
 }
 
 /// The error for an equation that does not hold with Lagrange's multipliers.
-fn against_constraint(model: &Model, system: &BalanceSystem, suspect: &Suspect, states: &[State]) -> Problem {
+fn against_constraint(
+    model: &Model,
+    system: &BalanceSystem,
+    suspect: &Suspect,
+    states: &[State],
+    help: Option<String>,
+) -> Problem {
+    const OF_REACTIONS: &str =
+        "`reaction(c)` makes the generalized force (∂c/∂q) reaction(c): a factor or a sign may be missing";
     // Balances of bodies are right by themselves.
     let written: Vec<usize> = suspect.balances.iter().copied().filter(|b| system.balances[*b].is_written()).collect();
     let balances = if written.is_empty() { &suspect.balances } else { &written };
     let (off, at) = (format!("{:.1e}", suspect.relative), describe(model, &states[suspect.state]));
     let label = labels(system, balances, suspect.one_of);
-    verdicts::reaction_against_constraint(system.balances[balances[0]].place.clone(), label, off, at)
+    let help = help.unwrap_or_else(|| OF_REACTIONS.to_owned());
+    verdicts::reaction_against_constraint(system.balances[balances[0]].place.clone(), label, off, at, help)
 }
 
 /// The labels of balances, one of which is wrong, or all.
@@ -223,7 +232,7 @@ fn compare(
         worst = worst.max(found.relative);
     }
     let agreement = Agreement { between: ("Lagrange".to_owned(), system.name.clone()), states: states.len(), worst };
-    if let Some(fewer) = counting::square(model, (system, linear), &assembled).map_err(|problem| vec![*problem])? {
+    if let Some(fewer) = surplus::square(model, (system, linear), &assembled).map_err(|problem| vec![*problem])? {
         return Ok(Compared { agreement, hidden: None, fewer: Some(fewer) });
     }
     let solved = Solved::of(&assembled, states);
@@ -325,7 +334,7 @@ fn disagreement(
         let at = (&assembled[suspect.state], &states[suspect.state]);
         let multiplied = |b: &usize| contains_multiplier(system, linear, at.0, *b);
         match unique && suspect.balances.iter().any(multiplied) {
-            true => against_constraint(model, system, &suspect, states),
+            true => against_constraint(model, system, &suspect, states, help),
             false => problem(model, system, at, &suspect, help.unwrap_or_else(|| causes.where_to_look(&suspect))),
         }
     };

@@ -1,12 +1,13 @@
 //! What no comparison of derivations can show to be wrong.
 
 use crate::expr::Id;
-use crate::model::{Model, Work};
+use crate::model::{Load, Model, Work};
 
 /// What all derivations take from the file as it stands: masses, inertias, gravity and so on, as far as the model has
 /// them.  `checks` can state what is known of them.
 pub fn shared_data(model: &Model) -> Vec<&'static str> {
-    let works = |kind: fn(&Work) -> bool| model.loads.iter().any(|load| kind(&load.work));
+    let of_contact = |load: &Load| model.contacts.iter().any(|contact| contact.name == load.name);
+    let works = |kind: fn(&Work) -> bool| model.loads.iter().any(|load| kind(&load.work) && !of_contact(load));
     let raw = [model.raw_kinetic_energy, model.raw_potential_energy, model.dissipation];
     let present = [
         (model.bodies.iter().any(|body| body.mass != Id::ZERO), "masses"),
@@ -21,6 +22,8 @@ pub fn shared_data(model: &Model) -> Vec<&'static str> {
         (model.gravity.is_some(), "gravity"),
         (works(|work| matches!(work, Work::Potential(_))), "springs"),
         (works(|work| matches!(work, Work::Resistance { .. })), "dampers"),
+        (model.contacts.iter().any(|contact| contact.tangent.is_some()), "friction"),
+        (model.contacts.iter().any(|contact| contact.normal.is_some()), "contacts"),
         (works(|work| matches!(work, Work::Pushes)), "forces"),
         (raw.iter().any(|energy| *energy != Id::ZERO), "energies written by hand"),
         (!model.generalized_forces.is_empty(), "generalized forces"),

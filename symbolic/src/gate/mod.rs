@@ -5,7 +5,7 @@
 //! 3. It does not matter which body takes a load at a hinge: look in `hinge_ambiguity`.
 //! 4. Systems of momentum balances hold, and determine the motion: look in `balances`; which balances of
 //!    one that does not are wrong is found in `suspects`, what would mend them in `causes`.
-//!    Equations that follow from others are left out: `counting`.
+//!    Equations that follow from others are left out: `surplus`.
 //!    Their reactions are compared with force and moment on bodies: `results`.
 //!    So do they integrated over the instant of an impact: `impulses`.  What impacts change is found in `impacts`.
 //! 5. Forces are tested for potentials (`potential`) and for being counted twice (`double_counting`); what each entry does is in
@@ -33,7 +33,6 @@ mod coarse_events;
 mod combinations;
 mod common_inputs;
 mod contact_states;
-mod counting;
 mod cyclic;
 mod dense;
 mod dependent;
@@ -67,6 +66,7 @@ mod search;
 mod speeds;
 mod state;
 mod states;
+mod surplus;
 mod suspects;
 mod system;
 mod trajectory;

@@ -1,5 +1,8 @@
 //! Friction that drives, and files in which nothing has mass.
 
+use dalembert_symbolic::gate::shared_data;
+use dalembert_symbolic::lower::compile;
+
 use super::energies::warned;
 use super::{accepted, refused};
 
@@ -119,6 +122,11 @@ fn what_slips_forwards_is_judged_where_it_slides_forwards() {
     };
     accepted(&equation("-"));
     refused(&equation("+"), "E517");
+    // The term that is wrong is named, though a reaction stands in the equation.
+    let problems = compile(&equation("+"), &[]).err().unwrap_or_default();
+    assert!(problems[0].help.contains("opposite sign of `mu*m*g*sign(x' - v)`"), "{problems:?}");
+    let shared = shared_data(&compile(&equation("-"), &[]).expect("a model").model);
+    assert_eq!(shared, ["masses", "positions", "springs", "friction"]);
     let loss = |right: &str| {
         rubbing(&format!("checks: {{loss: \"rate(energy) = {right}\"}}")).replace("rate: x' - v", "rate: x'")
     };

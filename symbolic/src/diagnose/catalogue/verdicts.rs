@@ -49,8 +49,8 @@ super::entries! {
     E516 impulse_violated(label, by, state) "a balance that an impact violates"
         "{label} does not hold integrated over the instant of an impact" "off by {by} of its terms" "at {state}; is a reaction that pushes there missing in the system, or in the wrong place?"
         "Where constraints are entered or struck, M Δq' = Jᵀ P: balances of force and moment must say the same of the momenta, with impulses of the reactions that they name.";
-    E517 reaction_against_constraint(label, by, state) "a reaction that is not the constraint's force"
-        "{label} does not hold with the multiplier of Lagrange's equations for `reaction(...)`" "off by {by} of its terms" "at {state}; `reaction(c)` makes the generalized force (∂c/∂q) reaction(c): a factor or a sign may be missing"
+    E517 reaction_against_constraint(label, by, state, help) "a reaction that is not the constraint's force"
+        "{label} does not hold with the multiplier of Lagrange's equations for `reaction(...)`" "off by {by} of its terms" "at {state}; {help}"
         "The multiplier of a constraint follows from Lagrange's equations; an equation that says which named reaction it is must hold with this value.";
     E518 reaction_against_bodies(name, here, label, there, state) "a reaction that is not what its body's balance makes it"
         "`{name}` is {here} by {label}, and {there} by force and moment on the bodies" "accelerations do not depend on it" "at {state}; correct the equation, or take a balance of the body on which `{name}` acts for it, such as `force: {{of: ..., along: ...}}`; if another reaction acts in the same direction, name it too"
