@@ -41,9 +41,12 @@ fn by_signals() -> Arc<AtomicBool> {
     let flag = Arc::new(AtomicBool::new(false));
     #[cfg(not(target_family = "wasm"))]
     for signal in [SIGINT, SIGTERM] {
-        // Where signals cannot be had, they end the program as they always did.
-        let _ = signal_hook::flag::register_conditional_shutdown(signal, 128 + signal, flag.clone());
+        // The flag goes first: no signal is lost that comes before the others are there.  They have a flag of their own: the first signal
+        // does not end the program.  Where signals cannot be had, they end the program as they always did.
+        let again = Arc::new(AtomicBool::new(false));
         let _ = signal_hook::flag::register(signal, flag.clone());
+        let _ = signal_hook::flag::register_conditional_shutdown(signal, 128 + signal, again.clone());
+        let _ = signal_hook::flag::register(signal, again);
     }
     flag
 }

@@ -207,7 +207,10 @@ impl Steps {
             let taken = self.integration.one(varied, end, &mut self.recorder);
             steps += 1;
             let t = self.integration.time();
-            taken.map_err(|cause| fault(t, *cause))?;
+            taken.map_err(|cause| match *cause {
+                Cause::NonFinite { what } => fault(t, Cause::NonFinite { what: format!("a slope of {what}") }),
+                cause => fault(t, cause),
+            })?;
             if interruption.is_asked() {
                 return Err(fault(t, Cause::Interrupted));
             }
