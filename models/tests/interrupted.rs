@@ -88,17 +88,23 @@ fn in_background(arguments: &[&str]) -> Child {
     let mut command = Command::new("sh");
     command.args(["-c", "trap '' INT; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_dalembert")]).args(arguments);
     let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program");
-    let status = format!("/proc/{}/status", child.id());
+    let [status, executable] = ["status", "exe"].map(|file| format!("/proc/{}/{file}", child.id()));
+    let program = fs::canonicalize(env!("CARGO_BIN_EXE_dalembert")).expect("the program");
     // The second bit of what is caught is that of SIGINT.
     let heeds = |text: String| {
         let caught = text.lines().find_map(|line| line.strip_prefix("SigCgt:"));
         caught.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).is_some_and(|mask| mask & 2 != 0)
     };
     let late = Instant::now() + Duration::from_secs(60);
-    while !fs::read_to_string(&status).is_ok_and(heeds) {
+    // The shell heeds it, too, before it is told not to.
+    while !(fs::read_link(&executable).is_ok_and(|path| path == program)
+        && fs::read_to_string(&status).is_ok_and(heeds))
+    {
         assert!(Instant::now() < late, "{arguments:?} does not heed it");
         std::thread::sleep(Duration::from_millis(1));
     }
+    // What a signal does is set just after it is caught.
+    std::thread::sleep(Duration::from_millis(50));
     child
 }
 
@@ -129,6 +135,10 @@ fn searches_and_charts_went_on_after_ctrl_c() {
         assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill").success());
         let output = child.wait_with_output().expect("its end");
         let told = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.code() == Some(1) && told.contains("interrupted"), "{words:?}: {told}");
+        assert!(
+            output.status.code() == Some(1) && told.contains("interrupted"),
+            "{words:?}: {}: {told}",
+            output.status
+        );
     }
 }
