@@ -101,3 +101,28 @@ scene: {{start: {{x: 0, x': {speed}}}, until: 50, every: 1, tolerance: 1e-10}}
     assert!((off - 0.05).abs() < 1e-4, "{off}");
     assert!(usual.deviation(&vibration(1.0), "x") == Some(0.0));
 }
+
+/// The energy and the forces of soft walls, wells and humps are numbers however far behind them the motion leads.
+#[test]
+fn soft_walls_push_where_their_exponentials_are_beyond_all_numbers() {
+    let text = |energy: &str| {
+        format!(
+            "name: Soft\nparameters: {{m: 1 kg, A: 0.1 J, w: 0.01 m, l: 5 m}}\ncoordinates: {{x: m}}\n\
+             bodies: {{b: {{mass: m, position: \"[x, 0]\"}}}}\npotential_energy: {energy}\n\
+             scene: {{start: {{x: 0, x': 0.5}}, until: 30, tolerance: 1e-9}}\n"
+        )
+    };
+    // The times of ways by quadrature with 20 digits.
+    for (energy, x) in [("A*ln(1 + exp((x - l)/w))", -4.939_399_220_1), ("A/cosh((x - l)/w)", 14.975_509_833_8)] {
+        let found = case(&text(energy)).run();
+        assert!((found.last()["x"] - x).abs() < 1e-7 && found.warnings.is_empty(), "{energy}: {}", found.last()["x"]);
+    }
+    // Down a slope of 10 N from its edge: 800 widths on, both potentials grow on as a straight line, and none.
+    for (energy, a) in [("-A*ln(1 + exp(x/w))", 10.0), ("A/(1 + exp(-x/w))", 0.0)] {
+        let mut case = case(&text(energy));
+        (case.settings.q[0], case.settings.until) = (8.0, 1.0);
+        let found = case.run();
+        assert!((found.last()["x"] - 8.5 - 0.5 * a).abs() < 1e-9, "{energy}: {}", found.last()["x"]);
+        assert!(found.energy_balance.is_some_and(|balance| balance < 1e-9), "{energy}: {:?}", found.energy_balance);
+    }
+}

@@ -8,6 +8,7 @@ use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use super::chains::{Chain, Chains};
+use super::overflow::may_overflow;
 use super::{Binary, Graph, Id, Node, Symbol, Unary};
 use crate::number::Number;
 
@@ -37,7 +38,12 @@ pub fn factors(graph: &Graph, id: Id) -> Vec<(Id, i32)> {
 }
 
 /// Factors in groups of falling popularity; each group is multiplied to what there is, its denominators divided by.
-fn product(graph: &mut Graph, factors: &[Factor], image: &dyn Fn(Id) -> Id, popularity: impl Fn(&Factor) -> u32) -> Id {
+pub(super) fn product(
+    graph: &mut Graph,
+    factors: &[Factor],
+    image: &dyn Fn(Id) -> Id,
+    popularity: impl Fn(&Factor) -> u32,
+) -> Id {
     let mut number = Number::ONE;
     let mut groups: BTreeMap<Reverse<u32>, Vec<Factor>> = BTreeMap::new();
     for factor in factors {
@@ -49,17 +55,17 @@ fn product(graph: &mut Graph, factors: &[Factor], image: &dyn Fn(Id) -> Id, popu
     let mut whole = Id::ONE;
     for group in groups.into_values() {
         let (mut above, mut below) = (Id::ONE, Id::ONE);
-        // Such are divided by one after the other: 0 comes before what is beyond all numbers.
+        // Such are divided by one after the other: 0 comes before what is beyond all numbers, and slopes of each are by themselves.
         let mut alone = Vec::new();
         for Factor { base, halves } in group {
-            let may_be_tiny = is_guarded(graph, base);
+            let is_extreme = is_guarded(graph, base) || may_overflow(graph, base);
             let base = image(base);
             let mut power = graph.powi(base, halves.abs() / 2);
             if halves % 2 != 0 {
                 let root = graph.unary(Unary::Sqrt, base);
                 power = graph.mul(power, root);
             }
-            if may_be_tiny && halves < 0 {
+            if is_extreme && halves < 0 {
                 alone.push(graph.div(Id::ONE, power));
                 continue;
             }
@@ -97,9 +103,9 @@ fn is_guarded(graph: &Graph, id: Id) -> bool {
 
 /// A base with twice its exponent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-struct Factor {
-    base: Id,
-    halves: i32,
+pub(super) struct Factor {
+    pub base: Id,
+    pub halves: i32,
 }
 
 /// Products, quotients, and their opposites.

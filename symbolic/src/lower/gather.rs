@@ -1,11 +1,12 @@
-//! Factors that depend on parameters only, gathered into one, so that they are computed once per run.
+//! Factors that depend on parameters only, gathered into one, so that they are computed once per run; and quotients that do not overflow.
 
 use super::count::varying;
-use crate::expr::{Binary, Graph, Id, Node, rewrite};
+use crate::expr::{Binary, Graph, Id, Node, rewrite, without_overflow};
 
 /// In every product the constant factors become one: ((1/2) x) m is (m/2) x; and a quotient by a constant
 /// becomes a product with its reciprocal.
 pub(super) fn gather(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
+    let roots = &without_overflow(graph, roots);
     let mut varies = varying(graph);
     rewrite(graph, roots, |graph, node| {
         let product = match node {

@@ -26,7 +26,7 @@ use std::path::Path;
 
 use crate::derive::{Derivation, Switch, held_rates, rates};
 use crate::diagnose::Problem;
-use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary, jacobian, reverse, substitute};
+use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary, jacobian, logarithms_without_overflow, reverse, substitute};
 use crate::gate::{Judged, Report};
 use crate::model::{Model, Scene, Shape};
 
@@ -295,7 +295,10 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let arguments = arguments::arguments(graph, &functions, &arguments, &motion, &loads);
     let jumps = (0..model.inputs.len()).map(|k| input_jump(graph, &chosen.residual, k as u32)).collect();
     let power = graph.add(energies.power, constraints.power);
-    let outputs = model.outputs.iter().flat_map(|o| o.value.iter().copied()).collect();
+    let outputs: Vec<Id> = model.outputs.iter().flat_map(|o| o.value.iter().copied()).collect();
+    let outputs = logarithms_without_overflow(graph, &outputs);
+    let energy = [energies.kinetic, energies.potential, energies.jacobi, power, energies.scale];
+    let energy = logarithms_without_overflow(graph, &energy);
     let assignments = model.sets.iter().flat_map(|set| set.values.iter().map(|(_, value)| *value)).collect();
     let drawing = model.draw.iter().flat_map(drawn).collect();
 
@@ -372,7 +375,7 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
         timed_switches: of_time.switches,
         frequencies: None,
         magnitudes,
-        energy: [energies.kinetic, energies.potential, energies.jacobi, power, energies.scale],
+        energy: [0, 1, 2, 3, 4].map(|k| energy[k]),
         invariants,
         outputs,
         events,
