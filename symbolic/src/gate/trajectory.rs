@@ -18,8 +18,9 @@ const LOOKS: usize = 20;
 const TOLERANCE: f64 = 1e-4;
 /// The error of an implicit step, likewise.
 const STIFF_TOLERANCE: f64 = 1e-3;
-/// An event is found to this power of ½ of a step.
-const BISECTIONS: usize = 12;
+/// An event is found to this power of ½ of a step: a step of a motion without forces may be a hundred thousand times the way to the wall that it
+/// meets, and the place must be known to a part of that way.
+const BISECTIONS: usize = 32;
 /// In a step that is shorter than this part of the whole, what was at rest before is not asked for its error.
 const SHORTEST: f64 = 1e-10;
 /// Dormand and Prince's stages: when, and the weights of those before.

@@ -133,3 +133,19 @@ scene: {start: {x: 0.6, y: -0.8}, until: 3}
     refused(&constrained.replace("WHEN", "x - l/2"), "the impact of `hit` acts along `wall`, which is");
     accepted(&constrained.replace("WHEN", "x"));
 }
+
+/// A puck crosses the way between its walls many times in what would be one step.
+#[test]
+fn walls_are_met_where_they_are_after_steps_of_any_length() {
+    let text = |left: &str| {
+        format!(
+            "name: Walls\nparameters: {{m: 1 kg, w: 1 m, v: 3.7 m/s}}\ncoordinates: {{x: m}}\nmemory: {{n: 0}}\n\
+             bodies: {{b: {{mass: m, position: \"[x, 0]\"}}}}\nconstraints: {{right: x - w, left: x + w}}\nphases: {{fly: []}}\nevents:\n  \
+             hr: {{when: x - w, direction: rising, then: [{{impact: 1, along: right}}, {{set: {{n: n + 1}}}}]}}\n  \
+             hl: {{when: {left}, direction: falling, then: [{{impact: 1, along: left}}, {{set: {{n: n + 1}}}}]}}\n\
+             scene: {{start: {{x: 0.123, x': v}}, until: 2e4}}\n"
+        )
+    };
+    accepted(&text("x + w"));
+    refused(&text("x + 0.99*w"), "E519");
+}
