@@ -46,3 +46,17 @@ fn a_motion_that_begins_later_has_a_step_of_its_own() {
         assert!(found.step < Some(0.05), "{:?}", found.step);
     }
 }
+
+/// Terms of a series that ends in a well tell nothing of it when they begin in front of it.
+#[test]
+fn the_series_of_a_step_into_a_well_is_too_long_a_step() {
+    let well = BARRIER.replace("A: 0.2 J, w: 0.01 m, x1: 50 m", "A: -0.3 J, w: 0.1 m, x1: 1 m");
+    for (tolerance, error) in [(1e-9, 1e-8), (1e-12, 1e-11)] {
+        let mut case = case(&well);
+        (case.settings.method, case.settings.tolerance, case.settings.digits) = (Method::Taylor, tolerance, true);
+        let found = case.run();
+        // ∫dx/√(2(E − V)) by quadrature with 20 digits.
+        assert!((found.last()["x"] - 75.104_007_784_740_2).abs() < 75.0 * error, "{}", found.last()["x"]);
+        assert!(found.warnings.is_empty() && found.digits("x") > Some(7), "{:?}", found.warnings);
+    }
+}

@@ -35,6 +35,8 @@ pub(crate) struct Taylor {
     expanded: bool,
     /// Where the step that was tried starts, and its length, s.
     tried: (f64, f64),
+    /// Whether the rate at its end is known.
+    concluded: bool,
     /// Of the step that was tried.
     errors: Vec<f64>,
     pieces: Vec<f64>,
@@ -51,6 +53,7 @@ impl Taylor {
             expansion: Expansion::new(n),
             expanded: false,
             tried: (0.0, 0.0),
+            concluded: false,
             errors: vec![0.0; 2 * n],
             pieces: vec![0.0; 2 * n * WIDTH],
             between: vec![0.0; 2 * n],
@@ -70,6 +73,19 @@ impl Taylor {
             worst = worst.max(self.ends.in_units(&self.errors, h, tolerance));
         }
         worst
+    }
+
+    /// What the series misses the rates at its end by, over the step, in units of the tolerance, as an error of its last term makes it: where what comes
+    /// next is nothing yet, as before and behind a narrow well, the terms tell nothing.
+    fn defect(&mut self, theta: f64, h: f64, tolerance: &Tolerance) -> f64 {
+        let n = self.ends.n;
+        for i in 0..n {
+            let terms = self.expansion.of(n + i)[1..].iter().enumerate().rev();
+            let slope = terms.fold(0.0, |sum, (k, c)| sum * theta + (k + 1) as f64 * c) / self.expansion.unit;
+            self.between[n + i] = h * (slope - self.ends.end_rate[n + i]) / ORDER as f64;
+            self.between[i] = h * self.between[n + i] / ORDER as f64;
+        }
+        self.ends.in_units(&self.between, h, tolerance)
     }
 
     /// ∫P dt over the step that was tried.
@@ -115,7 +131,7 @@ impl OneStep for Taylor {
 
     fn attempt(&mut self, system: &dyn System, trial: Trial<'_>) -> Result<f64, StepFailure> {
         let Trial { t, h, tolerance } = trial;
-        self.tried = (t, h);
+        (self.tried, self.concluded) = ((t, h), false);
         if !self.expanded {
             self.expansion.expand(system, t, &self.ends.y, h)?;
             self.evaluations += ORDER as u64;
@@ -133,14 +149,20 @@ impl OneStep for Taylor {
         }
         self.ends.add_up();
         let Some(tolerance) = tolerance else { return Ok(0.0) };
-        Ok(self.error(theta, h, tolerance))
+        let error = self.error(theta, h, tolerance);
+        if error > 1.0 || error.is_nan() {
+            return Ok(error);
+        }
+        self.concluded = self.ends.conclude(system, t + h, false)?;
+        let defect = self.defect(theta, h, tolerance);
+        Ok(if defect.is_nan() { defect } else { error.max(defect) })
     }
 
     fn conclude(&mut self, system: &dyn System, t: f64, moved: bool) -> Result<bool, StepFailure> {
         if self.ends.works() {
             self.integrate_power(system);
         }
-        self.ends.conclude(system, t, moved)
+        if self.concluded && !moved { Ok(true) } else { self.ends.conclude(system, t, moved) }
     }
 
     fn errors(&self) -> &[f64] {
