@@ -40,6 +40,8 @@ pub fn command() -> Command {
                 .args(sizes())
                 .arg(quiet())
                 .args(scene())
+                // Refused with the reason.
+                .mut_arg("input", |input| input.hide(true))
                 .arg(value("fmu", "FILE.fmu", "Write an FMU that starts as the scene does: Model Exchange and Co-Simulation, sources, and where there is a C compiler a library").value_hint(ValueHint::FilePath))
                 .arg(value("fmi", "VERSION", "The FMU's version of FMI [default: 3]").value_parser(["2", "3"]).requires("fmu"))
                 .group(ArgGroup::new("what").args(["c", "fmu"]).multiple(true).required(true))
