@@ -15,6 +15,8 @@ const AT_AN_INSTANT: u32 = 50;
 const INSTANT: f64 = 1e-12;
 /// Changes of speeds below this part of them are none.
 const ROUNDING: f64 = 1e-12;
+/// An event's instant is known to this part of the time: a few roundings.
+const INSTANT_ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Flights shorter than this part of the first are not followed one by one.
 const SHORT: f64 = 1e-6;
 /// Hops below this part of the sum of a constraint's terms are rounding.
@@ -461,11 +463,15 @@ impl Integration {
         if self.struck.as_ref().is_none_or(|(t, _)| *t != self.clock.now()) {
             self.struck = Some((self.clock.now(), self.stepper.start().y.to_vec()));
         }
+        // What the acceleration makes of a speed within the rounding of the instant.
+        let instant = INSTANT_ROUNDING * self.clock.now().abs();
+        let drifts: Vec<f64> = self.stepper.start().rate[n..].iter().map(|a| instant * a.abs()).collect();
         let speeds = &mut self.stepper.state_mut()[n..];
         let size = speeds.iter().zip(&jump).fold(before, |most, (v, jump)| most.max(v.abs()).max(jump.abs()));
         speeds.iter_mut().zip(&jump).for_each(|(v, jump)| *v += jump);
         // What is left of constraints that were met already is rounding, and no impulse.
-        if !jump.iter().any(|jump| jump.abs() > ROUNDING * size) {
+        let is_rounding = |(jump, drift): (&f64, &f64)| jump.abs() <= (ROUNDING * size).max(*drift);
+        if jump.iter().zip(&drifts).all(is_rounding) {
             return false;
         }
         let constraints: Vec<(String, f64)> =

@@ -145,3 +145,31 @@ fn steps_that_are_too_many_are_not_too_small() {
     let error = case(text).try_run().expect_err("too many steps");
     assert!(matches!(error.cause(), Some(dalembert::Cause::NeedsMoreSteps { .. })), "{error}");
 }
+
+/// The instant of a stop is rounded to 4.5e-13 s after an hour, and the speed then to what the acceleration of 2 m/s² makes in it.
+#[test]
+fn a_stop_of_friction_is_no_impulse_late_in_a_run() {
+    let text = "name: Stick\nparameters: {m: 1 kg, k: 4 N/m, mu: 0.2, mus: 0.4, g: 10 m/s^2, vb: 0.1 m/s}\ncoordinates: {x: m}\n\
+        bodies: {b: {mass: m, position: \"[x, 0]\"}}\nsprings: {s: {stretch: x, stiffness: k, along: ground.x, on: b}}\n\
+        friction: {rub: {rate: x' - vb, on: b, along: ground.x, limit: mu*m*g, static: mus*m*g}}\nscene: {start: {x: 0}, until: 5000}\n";
+    let mut stick = case(text);
+    // An hour and a half is gone before the run begins.
+    (stick.settings.from, stick.settings.until) = (5000.0, 5200.0);
+    let run = stick.run();
+    assert!(run.events.len() > 20 && run.impulses.is_empty(), "{} {:?}", run.events.len(), run.impulses);
+}
+
+#[test]
+fn a_contact_of_what_has_no_mass_is_not_what_is_undecided() {
+    let text = |m: &str| {
+        format!(
+            "name: Slope\nparameters: {{m: {m} kg, k: 4 N/m, mu: 0.3, g: 10 m/s^2}}\ncoordinates: {{x: m, y: m}}\n\
+             bodies: {{b: {{mass: m, position: \"[x, y]\"}}}}\ngravity: [2, -g]\n\
+             contacts: {{floor: {{gap: y, on: b, normal: [0, 1], friction: mu}}}}\n\
+             springs: {{s: {{stretch: x, stiffness: k, along: ground.x, on: b}}}}\nscene: {{start: {{x: 0, y: 0}}, until: 1}}\n"
+        )
+    };
+    let Err(error) = case(&text("0")).try_run() else { panic!("it runs") };
+    assert!(error.to_string().contains("singular mass matrix: nothing gives `x` an inertia"), "{error}");
+    assert!(case(&text("1")).run().warnings.is_empty());
+}

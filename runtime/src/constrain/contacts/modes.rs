@@ -104,7 +104,8 @@ enum Kind {
 /// The phase in which the contacts agree with the forces at a state; it is in force afterwards.
 ///
 /// # Errors
-/// No combination agrees, or several with different motions do, of which none is the present one; a gap that is negative where a motion begins or jumps.
+/// No combination agrees, or several with different motions do, of which none is the present one; a gap that is negative where a motion begins or jumps;
+/// what has no accelerations under any.
 pub(crate) fn settle(system: &mut dyn System, moment: &Moment<'_>, change: Change<'_>) -> Result<usize, Box<Cause>> {
     let before = system.phase();
     let situation = Situation::new(system, moment);
@@ -156,6 +157,11 @@ pub(crate) fn settle(system: &mut dyn System, moment: &Moment<'_>, change: Chang
     let Some(chosen) = chosen else {
         let touches: Vec<bool> = known.iter().map(|known| known.touches).collect();
         possible_limits_of(system, (t, y), &touches)?;
+        if trials.is_empty() {
+            // What keeps every combination from having accelerations is no matter of contacts.
+            let computed = system.accelerations(At::packed(t, y, system.len()), &mut vec![0.0; system.len()]);
+            computed.map_err(|fault| fault.cause(system.description()))?;
+        }
         let found = agree.iter().map(|trial| words(system, &trial.modes)).collect();
         return Err(Cause::UndecidedContacts { found }.into());
     };
