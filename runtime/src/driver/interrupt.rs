@@ -4,7 +4,7 @@ use super::plan::UNEVEN;
 use super::{Integration, Step, StepPolicy, StopReason, finite};
 use crate::cause::Cause;
 use crate::constrain::Kinematics;
-use crate::events::{Crossing, EventLocator, Interruption, Switched};
+use crate::events::{Crossing, EventLocator, Fired, Interruption, Switched};
 use crate::mechanism::{Action, System};
 use crate::run::Recorder;
 
@@ -31,38 +31,60 @@ impl Integration {
         if let Some(shorter) = locator.early(&self.segment(step)).filter(|_| locator.wants_dense(system)) {
             return Ok(Outcome::MissedFeature(shorter));
         }
-        let Some(interruption) = interruption else {
-            if locator.wants_dense(system) {
-                let segment = self.segment(step);
-                recorder.accept(system, Some(&segment), step.next, self.stepper.end())?;
-                locator.pass(system, &segment, recorder);
-                self.commit(step);
-            } else {
-                self.keep(system, step, dense, recorder)?;
-                locator.step(step.h);
+        match interruption {
+            None => {
+                self.take_whole(system, (step, dense), locator, recorder).map(|()| Outcome::Kept(StopReason::Arrived))
             }
-            if step.lands {
-                recorder.leave(system, step.next, self.stepper.start());
-                self.switch(system, locator, recorder)?;
-            }
-            return Ok(Outcome::Kept(StopReason::Arrived));
-        };
-        let crossing = match interruption {
-            Interruption::At(crossing) => crossing,
-            Interruption::Leaves { switch, side } => {
+            Some(Interruption::Leaves { switch, side }) => {
                 recorder.leave(system, self.clock.now(), self.stepper.start());
                 let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
                 let kinematics = self.kinematics(system);
                 locator.leave(system, (switch, side), (now, &y), &mut |system| self.trial(system))?;
                 self.forces_jumped(system, &kinematics, locator, recorder)?;
-                return Ok(Outcome::Kept(StopReason::Arrived));
+                Ok(Outcome::Kept(StopReason::Arrived))
             }
-        };
+            Some(Interruption::At(crossing)) => self.take_to_crossing(system, (step, crossing), locator, recorder),
+        }
+    }
+
+    /// Writes down and takes a step in which nothing happens, and switches what the stop at its end does.
+    fn take_whole(
+        &mut self,
+        system: &mut dyn System,
+        (step, dense): (Step, bool),
+        locator: &mut EventLocator,
+        recorder: &mut Recorder,
+    ) -> Result<(), Box<Cause>> {
+        if locator.wants_dense(system) {
+            let segment = self.segment(step);
+            recorder.accept(system, Some(&segment), step.next, self.stepper.end())?;
+            locator.pass(system, &segment, recorder);
+            self.commit(step);
+        } else {
+            self.keep(system, step, dense, recorder)?;
+            locator.step(step.h);
+        }
+        if step.lands {
+            recorder.leave(system, step.next, self.stepper.start());
+            self.switch(system, locator, recorder)?;
+        }
+        Ok(())
+    }
+
+    /// Writes down and takes a step as far as a crossing, and does what happens there; where the way to the next stop is divided, takes a
+    /// part of the way to the crossing only.
+    fn take_to_crossing(
+        &mut self,
+        system: &mut dyn System,
+        (step, crossing): (Step, Crossing),
+        locator: &mut EventLocator,
+        recorder: &mut Recorder,
+    ) -> Result<Outcome, Box<Cause>> {
         if self.divides() && self.part(system, step.h * crossing.theta, locator, recorder)? {
             return Ok(Outcome::Kept(StopReason::Arrived));
         }
         let together = locator.simultaneous(crossing, &self.segment(step));
-        let mut fired = match self.shorten(system, step, crossing, locator)? {
+        let fired = match self.shorten(system, step, crossing, locator)? {
             Some((shorter, error)) if self.is_blind(error) => {
                 // Newton's method may have gone beyond the step that was tried, which is not to be tried again.
                 let shorter = self.control.rejected(shorter.h, error);
@@ -79,6 +101,17 @@ impl Integration {
             }
             None => locator.fire(system, &together, (self.clock.now(), self.stepper.start().y), recorder),
         };
+        self.act_at_crossing(system, fired, locator, recorder).map(Outcome::Kept)
+    }
+
+    /// Does what events say that fire at the present state, with ticks of the same instant, and switches what is on its surface there.
+    fn act_at_crossing(
+        &mut self,
+        system: &mut dyn System,
+        mut fired: Vec<Fired>,
+        locator: &mut EventLocator,
+        recorder: &mut Recorder,
+    ) -> Result<StopReason, Box<Cause>> {
         let now = self.clock.now();
         if self.ticks.is_due(now) {
             // A tick at the same instant has its place in the file's order.
@@ -93,17 +126,17 @@ impl Integration {
                 recorder.leave(system, self.clock.now(), self.stepper.start());
                 self.switch(system, locator, recorder)?;
             }
-            return Ok(Outcome::Kept(StopReason::Event));
+            return Ok(StopReason::Event);
         }
         recorder.leave(system, self.clock.now(), self.stepper.start());
         if !fired.is_empty() {
-            return self.act(system, fired, locator, recorder).map(Outcome::Kept);
+            return self.act(system, fired, locator, recorder);
         }
         // A stop time may coincide with the crossing.
         if !self.switch(system, locator, recorder)? {
             self.restart(system, recorder)?;
         }
-        Ok(Outcome::Kept(StopReason::Arrived))
+        Ok(StopReason::Arrived)
     }
 
     /// Whether a step that a crossing made shorter is much worse than the longer one, which passed what lies there by.
