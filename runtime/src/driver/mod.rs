@@ -7,9 +7,11 @@
 //!    another run that are followed: `followed.rs`.
 //! 2. What may end a step early: `interrupt.rs`; jumps of the acceleration that nobody declared: `jump.rs`; what is asked of a step between its
 //!    ends: `between.rs`; rounding that looks like errors: `noise.rs`.
-//! 3. Constraints at the ends of steps: `constraints.rs`; phases and impacts: `phase.rs`; contacts: `contact.rs`.
+//! 3. Constraints at the ends of steps: `constraints.rs`; phases and impacts: `phase.rs`; contacts: `contact.rs`; what follows at
+//!    one instant: `act.rs`.
 //! 4. Events where a motion starts and ends: `start.rs`; ticks, and what events set: `set.rs`; mechanisms that stand still: `rest.rs`.
 
+mod act;
 mod between;
 mod constraints;
 mod contact;
@@ -27,13 +29,14 @@ mod trial;
 
 use std::ops::ControlFlow;
 
+use act::EventCascade;
 use between::Defect;
 use constraints::SingularDwell;
 pub(crate) use followed::Followed;
 use interrupt::Outcome;
 use jump::JumpDetector;
 use noise::StagnatingError;
-use phase::{EventCascade, Impacts};
+use phase::Impacts;
 use start::Starting;
 use trial::FoundStep;
 

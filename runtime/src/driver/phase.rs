@@ -1,18 +1,13 @@
 //! Phases and impacts: what events do to the state and to the constraints in force.
 
-use super::set::Assigned;
-use super::{Integration, StopReason};
+use super::Integration;
 use crate::cause::Cause;
 use crate::constrain::{VelocityJump, closed_within, lasting_rows, possible_restitution, velocity_jump};
-use crate::events::{EventLocator, Fired, Impulse, gained};
+use crate::events::{Impulse, gained};
 use crate::mechanism::dense::impulse_terms;
-use crate::mechanism::{Action, At, Enforcement, System, Trigger, rows_in_force};
+use crate::mechanism::{Action, At, Enforcement, System, rows_in_force};
 use crate::run::{Recorder, SpeedJump};
 
-/// More firings than this at one instant are a cycle.
-const AT_AN_INSTANT: u32 = 50;
-/// Times are one instant that differ by less than this part of themselves and of the last step.
-const INSTANT: f64 = 1e-12;
 /// Changes of speeds below this part of them are none.
 const ROUNDING: f64 = 1e-12;
 /// An event's instant is known to this part of the time: a few roundings.
@@ -35,13 +30,6 @@ struct ZenoDetector {
     estimate: Option<f64>,
 }
 
-/// Firings at one instant.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct EventCascade {
-    t: f64,
-    count: u32,
-}
-
 /// An impact that was.
 struct Struck {
     /// The coefficient of restitution.
@@ -51,6 +39,7 @@ struct Struck {
 }
 
 /// What an action did.
+#[derive(Default)]
 pub(super) struct Done {
     /// Whether the state or the phase may have changed.
     pub acts: bool,
@@ -104,127 +93,6 @@ impl ZenoDetector {
 }
 
 impl Integration {
-    /// Does what events say, and what events that are past their zero after it say in turn.
-    pub(super) fn act(
-        &mut self,
-        system: &mut dyn System,
-        fired: Vec<Fired>,
-        locator: &mut EventLocator,
-        recorder: &mut Recorder,
-    ) -> Result<StopReason, Box<Cause>> {
-        let mut fired = fired;
-        let mut stop_reason = StopReason::Arrived;
-        // What a tick does not do needs no new start.
-        let mut idle = fired.iter().all(|fired| fired.pending);
-        while !self.cycles(locator.last_step()) {
-            let (before, mut changed, mut hit) = (system.phase(), false, false);
-            let (mut stops, mut assigned) = (false, Assigned::default());
-            let sets = |action: &Action| matches!(action, Action::Set(_));
-            let watched = match fired.iter().flat_map(|fired| &fired.actions).any(sets) {
-                true => locator.values(system, (self.clock.now(), self.stepper.start().y)),
-                false => Vec::new(),
-            };
-            let enters = fired
-                .iter()
-                .flat_map(|fired| &fired.actions)
-                .any(|action| matches!(action, Action::Phase(_) | Action::Contact(_)));
-            'all: for Fired { event, actions, pending } in &fired {
-                let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
-                if *pending {
-                    if !locator.holds(system, *event, (now, &y)) {
-                        continue;
-                    }
-                    if !actions.iter().all(sets) {
-                        locator.record_one(system, *event, (now, &y), actions.contains(&Action::Stop), recorder);
-                    }
-                }
-                if Some(*event) == self.ends_after {
-                    stop_reason = StopReason::Event;
-                }
-                for action in actions {
-                    match action {
-                        Action::Stop => {
-                            stops = true;
-                            break 'all;
-                        }
-                        Action::Set(set) => self.assign(system, (*event, *set as usize), &mut assigned)?,
-                        action => {
-                            let Done { acts, strikes } = self.does(system, (*event, *action), recorder)?;
-                            changed |= acts;
-                            hit |= strikes;
-                        }
-                    }
-                }
-            }
-            if !changed && !assigned.any && !stops {
-                if !idle {
-                    self.restart(system, recorder)?;
-                }
-                return Ok(stop_reason);
-            }
-            idle = false;
-            if assigned.any {
-                let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
-                locator.reassigned(system, (now, &y), &watched, &mut |system| self.trial(system))?;
-                // Places and rates do not depend on what is set.
-                let kinematics = self.kinematics(system);
-                changed |= self.settle_contacts(system, &kinematics, recorder)?;
-            }
-            if stops {
-                self.project_start(system)?;
-                self.restart(system, recorder)?;
-                return Ok(StopReason::Event);
-            }
-            fired.clear();
-            if changed {
-                let entered = system.phase() != before || enters;
-                fired = self.already_past(system, (entered, hit), locator, recorder)?;
-            }
-            fired.extend(self.consequences(system, &assigned, locator));
-            if fired.is_empty() {
-                self.restart(system, recorder)?;
-                return Ok(stop_reason);
-            }
-        }
-        let name = |event: usize| system.description().events[event].name.to_string();
-        let follows = |fired: &&Fired| matches!(system.sampling().trigger(fired.event), Trigger::Set(_));
-        Err(Box::new(match fired.iter().find(follows) {
-            Some(fired) => Cause::EndlessSets { event: name(fired.event) },
-            None => Cause::Chattering { switch: name(fired.first().map_or(0, |fired| fired.event)) },
-        }))
-    }
-
-    /// Looks anew at everything after speeds were `hit`, or the phase changed, as it did where one was `entered`; what events are past their
-    /// zero there.
-    pub(super) fn already_past(
-        &mut self,
-        system: &mut dyn System,
-        (entered, hit): (bool, bool),
-        locator: &mut EventLocator,
-        recorder: &mut Recorder,
-    ) -> Result<Vec<Fired>, Box<Cause>> {
-        self.project_start(system)?;
-        let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
-        locator.enter(system, (now, &y), hit, &mut |system| self.trial(system))?;
-        let fired = locator.already_past(system, (now, self.stepper.start().y), entered);
-        for Fired { event, actions, .. } in &fired {
-            let stops = actions.contains(&Action::Stop);
-            locator.record_one(system, *event, (now, self.stepper.start().y), stops, recorder);
-        }
-        Ok(fired)
-    }
-
-    /// Counts a firing; true where there were too many at one instant, in this call or, with steps too short to count between them, in
-    /// several.
-    fn cycles(&mut self, step: f64) -> bool {
-        let now = self.clock.now();
-        if (now - self.cascade.t).abs() > INSTANT * now.abs().max(step) {
-            self.cascade = EventCascade { t: now, count: 0 };
-        }
-        self.cascade.count += 1;
-        self.cascade.count > AT_AN_INSTANT
-    }
-
     /// Brings the speeds to constraints that a sharp turn of time or of an input moves, `late` seconds after the state was reached; not to
     /// contacts, whose forces are bounded or push only.
     ///
@@ -249,8 +117,8 @@ impl Integration {
         Ok(())
     }
 
-    /// Does one thing.
-    fn does(
+    /// Does what an action says of phases, contacts and speeds.
+    pub(super) fn does(
         &mut self,
         system: &mut dyn System,
         (event, action): (usize, Action),
