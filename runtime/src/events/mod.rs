@@ -4,8 +4,8 @@
 //!    `sample.rs`; arguments of local functions inside them and inside the equations of motion: in `arguments.rs`.
 //! 2. All their zeros within the step are found, hidden pairs included: look in `certify.rs`, `root.rs` and `scan.rs`.
 //! 3. Steps that jumped over a feature of the equations are cut: look in `features.rs`.
-//! 4. At a discontinuity the modes are chosen anew: look in `modes.rs`; what inputs that turn sharply do to the speeds:
-//!    in `impulse.rs`.
+//! 4. At a discontinuity the modes are chosen anew: look in `modes.rs`; where arguments go under each combination of sides: in
+//!    `combinations.rs`; what inputs that turn sharply do to the speeds: in `impulse.rs`.
 //! 5. Discontinuities of time are known beforehand: look in `stops.rs`; on which sides of them a motion begins: in
 //!    `sides.rs`; those of inputs that are closures are scanned for: in `signals.rs`; ticks of clocks: in
 //!    `ticks.rs`.
@@ -16,6 +16,7 @@ mod arguments;
 mod certify;
 #[cfg(test)]
 mod certify_tests;
+mod combinations;
 pub(crate) mod draws;
 mod features;
 mod impulse;

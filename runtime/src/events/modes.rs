@@ -1,6 +1,8 @@
 //! Choosing the modes of the switches.
 
-use super::certify::Sample;
+use super::combinations::{
+    Combination, Looks, ModesBefore, against, agreed, all_directions, combinations, scale, undecided,
+};
 use super::sample::Sampler;
 use crate::cause::Cause;
 use crate::integrate::Segment;
@@ -45,21 +47,14 @@ pub(crate) struct Chosen {
     pub undecided: Option<usize>,
 }
 
-/// An argument that would vanish within this part of a step vanishes.
-const NOW: f64 = 1e-11;
 /// A rate that is this part of the largest is zero to rounding.
-const STANDS: f64 = 1e-12;
-/// A rate that is this part of the mean one over a step is next to nothing.
-const NEXT_TO_NOTHING: f64 = 1e-6;
+pub(super) const STANDS: f64 = 1e-12;
 /// Accelerations that differ by up to so many times what the rounding of the state makes of them are the same.
 const EXPLAINED: f64 = 8.0;
 /// How often each switch may change between its surface and its sides until all agree.
 const TURNS: usize = 4;
 /// So much later, in steps, what slides is seen to go on or to leave.
 const MOMENT: f64 = 1e-4;
-/// Combinations of sides that are tried.
-const MOST_COMBINATIONS: usize = 64;
-
 /// Chooses the modes at a state.
 ///
 /// In order, since an argument contains modes of earlier switches only: off its surface (argument = 0) a switch's mode
@@ -81,48 +76,14 @@ pub(crate) fn choose<S: System + ?Sized>(
     known: &Known<'_>,
     trial: Trial<'_, S>,
 ) -> Result<Chosen, Box<Cause>> {
-    let count = system.description().switches.len();
     let (slid, leaving) = (system.sliding().to_vec(), leaving(system, (t, y), known));
     let mut before = system.modes().to_vec();
     slid.iter().for_each(|switch| before[*switch] = at_rest(system, *switch));
     system.set_modes(&before);
-    let rested: Vec<bool> = (0..count).map(|switch| side(system, switch) == 0.0).collect();
-    let mut combinations = Vec::new();
-    let mut stack: Vec<Combination> = vec![Combination { modes: before.clone(), on: vec![false; count], next: 0 }];
-    while let Some(mut one) = stack.pop() {
-        while one.next < count {
-            let switch = one.next;
-            one.next += 1;
-            system.set_modes(&one.modes);
-            if let Some(side) = known.beyond[switch] {
-                one.modes[switch] = mode(system, switch, side);
-                continue;
-            }
-            sampler.at_state(system, t, y);
-            let (value, rate) = (sampler.value(sampler.function_of(switch)), sampler.rate(switch));
-            let on = known.surface[switch]
-                || slid.contains(&switch)
-                || value == 0.0
-                || value.abs() <= NOW * known.step * rate.abs();
-            if !on {
-                one.modes[switch] = mode(system, switch, value);
-                continue;
-            }
-            one.on[switch] = true;
-            let [first, second] = sides(system, switch, &before, &leaving);
-            if combinations.len() + stack.len() < MOST_COMBINATIONS {
-                let mut other = one.clone();
-                other.modes[switch] = second;
-                stack.push(other);
-            }
-            one.modes[switch] = first;
-        }
-        combinations.push(one);
-    }
-    let by_rates: Vec<Vec<f64>> = combinations
-        .iter()
-        .map(|one| directions(system, sampler, (t, y), (one, Looks::WhereRatesVanish), trial))
-        .collect();
+    let rested: Vec<bool> = (0..before.len()).map(|switch| side(system, switch) == 0.0).collect();
+    let combinations =
+        combinations(system, sampler, (t, y), known, &ModesBefore { modes: &before, slid: &slid, leaving: &leaving });
+    let by_rates = all_directions(system, sampler, (t, y), (&combinations, Looks::WhereRatesVanish), trial);
     let mut undecided = undecided(system, &combinations, &by_rates);
     let mut found = agreed(system, &combinations, &by_rates);
     // The combination in which fewest arguments are moved against their sides; those are pushed back to their surface.
@@ -132,55 +93,91 @@ pub(crate) fn choose<S: System + ?Sized>(
     let rates = Rates { of: &by_rates, leaving: &leaving };
     if found.is_none() {
         // Rates that are next to nothing beside what a step does, as those of a drag that hardly moves, do not count.
-        let by_trial: Vec<Vec<f64>> =
-            combinations.iter().map(|one| directions(system, sampler, (t, y), (one, Looks::Always), trial)).collect();
+        let by_trial = all_directions(system, sampler, (t, y), (&combinations, Looks::Always), trial);
         found = agreed(system, &combinations, &by_trial);
         undecided = self::undecided(system, &combinations, &by_trial);
     }
-    if let Some((mut one, to)) = found {
-        // What another one has held so far is held by those that are left as long as they can.
-        let stands = |k: usize| one.on[k] && to[k].abs() <= STANDS * scale(&by_rates, k);
-        let held: Vec<usize> = (0..count).filter(|k| stands(*k) && !rates.leaves(*k)).collect();
-        if !leaving.is_empty()
-            && !held.is_empty()
-            && slide(system, sampler, (t, y), (&one, &held), &rates)
-            && goes_on(system, (t, y), known.step)
-        {
+    if let Some((one, to)) = found {
+        if goes_on_holding(system, sampler, (t, y), (&one, &to), &rates, known.step) {
             return Ok(Chosen { on: one.on, undecided: None });
         }
-        for switch in (0..count).filter(|k| one.on[*k] && to[*k] == 0.0) {
-            one.modes[switch] = match leaving.iter().find(|(other, _)| *other == switch) {
-                Some((_, to)) => mode(system, switch, *to),
-                None => at_rest(system, switch),
-            };
-        }
-        system.set_modes(&one.modes);
+        take_sides(system, &one, &to, &leaving);
         return Ok(Chosen { on: one.on, undecided });
     }
-    // Signs of one rate cannot all slide: one of them holds it. That is seen where they begin to slide one after another.  Where these lead round
-    // and round, all slide.
     let best = &combinations[best];
-    let widest = combinations.iter().max_by_key(|one| one.on.iter().filter(|on| **on).count()).unwrap_or(best);
-    let all: Vec<usize> = (0..count).filter(|k| widest.on[*k]).collect();
-    for (from, sliding) in [(best, &pushed), (best, &Vec::new()), (widest, &all)] {
-        if slide(system, sampler, (t, y), (from, sliding), &rates) {
-            return Ok(Chosen { on: from.on.clone(), undecided: None });
-        }
+    if let Some(from) = slide_from(system, sampler, (t, y), &combinations, (best, &pushed), &rates) {
+        return Ok(Chosen { on: from.on.clone(), undecided: None });
     }
-    if pushed.iter().all(|k| rested[*k] && is_sign(system, *k)) {
-        let mut rest = best.clone();
-        for switch in &pushed {
-            rest.modes[*switch] = 0.0;
-        }
-        system.set_modes(&rest.modes);
-        sampler.at_state(system, t, y);
-        if pushed.iter().all(|k| sampler.rate(*k).abs() <= STANDS * scale(&by_rates, *k)) {
-            return Ok(Chosen { on: rest.on, undecided: None });
-        }
+    let may_rest = pushed.iter().all(|k| rested[*k] && is_sign(system, *k));
+    if may_rest && rest(system, sampler, (t, y), (best, &pushed), &rates) {
+        return Ok(Chosen { on: best.on.clone(), undecided: None });
     }
     system.set_modes(&before);
     let switch = pushed.first().copied().unwrap_or(0);
     Err(chattering(system, (t, y), switch).into())
+}
+
+/// Whether switches whose rates vanish under a combination that agrees go on sliding where others leave: what another one has held so far is
+/// held by those that are left as long as they can.
+fn goes_on_holding<S: System + ?Sized>(
+    system: &mut S,
+    sampler: &mut Sampler,
+    (t, y): (f64, &[f64]),
+    (one, to): (&Combination, &[f64]),
+    rates: &Rates<'_>,
+    step: f64,
+) -> bool {
+    let stands = |k: usize| one.on[k] && to[k].abs() <= STANDS * scale(rates.of, k);
+    let held: Vec<usize> = (0..one.on.len()).filter(|k| stands(*k) && !rates.leaves(*k)).collect();
+    !rates.leaving.is_empty()
+        && !held.is_empty()
+        && slide(system, sampler, (t, y), (one, &held), rates)
+        && goes_on(system, (t, y), step)
+}
+
+/// Sets the modes of a combination that agrees; what it does not move away leaves to the side that is known, or rests.
+fn take_sides<S: System + ?Sized>(system: &mut S, one: &Combination, to: &[f64], leaving: &[(usize, f64)]) {
+    let mut modes = one.modes.clone();
+    for switch in (0..modes.len()).filter(|k| one.on[*k] && to[*k] == 0.0) {
+        modes[switch] = match leaving.iter().find(|(other, _)| *other == switch) {
+            Some((_, to)) => mode(system, switch, *to),
+            None => at_rest(system, switch),
+        };
+    }
+    system.set_modes(&modes);
+}
+
+/// Lets switches slide that no combination leads away; the combination from which they do.
+///
+/// Signs of one rate cannot all slide: one of them holds it. That is seen where they begin to slide one after another.  Where these lead round
+/// and round, all slide.
+fn slide_from<'a, S: System + ?Sized>(
+    system: &mut S,
+    sampler: &mut Sampler,
+    (t, y): (f64, &[f64]),
+    combinations: &'a [Combination],
+    (best, pushed): (&'a Combination, &[usize]),
+    rates: &Rates<'_>,
+) -> Option<&'a Combination> {
+    let widest = combinations.iter().max_by_key(|one| one.on.iter().filter(|on| **on).count()).unwrap_or(best);
+    let all: Vec<usize> = (0..widest.on.len()).filter(|k| widest.on[*k]).collect();
+    let mut starts = [(best, pushed), (best, &[]), (widest, &all)].into_iter();
+    starts.find(|(from, sliding)| slide(system, sampler, (t, y), (from, sliding), rates)).map(|(from, _)| from)
+}
+
+/// Lets signs that are pushed back from both sides rest at zero; false where anything moves with them.
+fn rest<S: System + ?Sized>(
+    system: &mut S,
+    sampler: &mut Sampler,
+    (t, y): (f64, &[f64]),
+    (best, pushed): (&Combination, &[usize]),
+    rates: &Rates<'_>,
+) -> bool {
+    let mut modes = best.modes.clone();
+    pushed.iter().for_each(|switch| modes[*switch] = 0.0);
+    system.set_modes(&modes);
+    sampler.at_state(system, t, y);
+    pushed.iter().all(|k| sampler.rate(*k).abs() <= STANDS * scale(rates.of, *k))
 }
 
 /// What is said of a switch to which both sides push back: of one of states of first order alone, that neither friction nor a constraint holds them.
@@ -263,7 +260,7 @@ pub(crate) fn slides_where_on<S: System + ?Sized>(
     let before = system.modes().to_vec();
     sampler.at_state(system, t, y);
     let here: Vec<f64> = (0..on.len()).map(|switch| sampler.rate(switch)).collect();
-    let from = Combination { modes: before.clone(), on: on.to_vec(), next: on.len() };
+    let from = Combination { modes: before.clone(), on: on.to_vec() };
     let all: Vec<usize> = (0..on.len()).filter(|switch| on[*switch]).collect();
     let slides = slide(system, sampler, (t, y), (&from, &all), &Rates { of: &[here], leaving: &[] });
     if !slides {
@@ -295,116 +292,6 @@ impl Rates<'_> {
     fn leaves(&self, switch: usize) -> bool {
         self.leaving.iter().any(|(leaving, _)| *leaving == switch)
     }
-}
-
-/// Sides of the switches that are on their surface.
-#[derive(Clone)]
-struct Combination {
-    modes: Vec<f64>,
-    on: Vec<bool>,
-    /// The switch to look at next.
-    next: usize,
-}
-
-/// A switch on its surface that two combinations move away to different sides, each to the one that it says.
-fn undecided<S: System + ?Sized>(system: &S, combinations: &[Combination], directions: &[Vec<f64>]) -> Option<usize> {
-    let agree: Vec<&Vec<f64>> = combinations
-        .iter()
-        .zip(directions)
-        .filter(|(one, to)| against(system, one, to, directions).is_empty())
-        .map(|(_, to)| to)
-        .collect();
-    let count = agree.first().map_or(0, |to| to.len());
-    (0..count).find(|k| agree.iter().any(|to| to[*k] > 0.0) && agree.iter().any(|to| to[*k] < 0.0))
-}
-
-/// The first combination that moves every argument on its surface to the side that it says, and where it moves them; one that
-/// moves something before others.
-fn agreed<S: System + ?Sized>(
-    system: &S,
-    combinations: &[Combination],
-    directions: &[Vec<f64>],
-) -> Option<(Combination, Vec<f64>)> {
-    let agree =
-        || combinations.iter().zip(directions).filter(|(one, to)| against(system, one, to, directions).is_empty());
-    let moves = |(one, to): &(&Combination, &Vec<f64>)| one.on.iter().zip(*to).any(|(on, to)| *on && *to != 0.0);
-    agree().find(moves).or_else(|| agree().next()).map(|(one, to)| (one.clone(), to.clone()))
-}
-
-/// The switches on their surface that a combination moves against the sides that it says.
-fn against<S: System + ?Sized>(system: &S, one: &Combination, to: &[f64], directions: &[Vec<f64>]) -> Vec<usize> {
-    let back = |k: &usize| one.on[*k] && side_of(system, *k, one.modes[*k]) * to[*k] < -STANDS * scale(directions, *k);
-    (0..one.on.len()).filter(back).collect()
-}
-
-/// The largest size of what an argument does under any combination.
-fn scale(directions: &[Vec<f64>], switch: usize) -> f64 {
-    directions.iter().map(|to| to[switch].abs()).fold(0.0, f64::max)
-}
-
-/// When a trial step tells where an argument goes.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Looks {
-    /// Where its rate vanishes.
-    WhereRatesVanish,
-    /// Where its rate is next to nothing, too.
-    Always,
-}
-
-/// Where the arguments on their surface go under a combination: their rates or, where a trial step tells, their values in it.
-fn directions<S: System + ?Sized>(
-    system: &mut S,
-    sampler: &mut Sampler,
-    (t, y): (f64, &[f64]),
-    (one, looks): (&Combination, Looks),
-    trial: Trial<'_, S>,
-) -> Vec<f64> {
-    system.set_modes(&one.modes);
-    sampler.at_state(system, t, y);
-    let mut to: Vec<f64> = (0..one.on.len()).map(|k| if one.on[k] { sampler.rate(k) } else { 0.0 }).collect();
-    let unsure: Vec<usize> =
-        (0..to.len()).filter(|k| one.on[*k] && (to[*k] == 0.0 || looks == Looks::Always)).collect();
-    if unsure.is_empty() {
-        return to;
-    }
-    let Some(step) = trial(system) else { return to };
-    let mut samples: Vec<Sample> = Vec::new();
-    for switch in unsure {
-        // The first values that stand out: a long step may lead through many zeros.
-        let function = sampler.function_of(switch);
-        let mut at = |theta: f64| {
-            sampler.samples(system, &step.segment(), theta, &mut samples);
-            samples[function]
-        };
-        let start = at(0.0).value;
-        let (mut theta, mut change) = (1.0, 0.0);
-        for _ in 0..40 {
-            let here = at(theta);
-            change = here.value - start;
-            // Bent away from zero like a power of θ: the slope agrees with the value.
-            let power = theta * here.slope / change;
-            if change != 0.0 && (0.9..8.5).contains(&power) || change == 0.0 && here.slope == 0.0 {
-                break;
-            }
-            theta *= 0.5;
-        }
-        let mean = change / (theta * step.h);
-        if to[switch].abs() <= NEXT_TO_NOTHING * mean.abs() {
-            to[switch] = mean;
-        }
-    }
-    to
-}
-
-/// The sides to try for a switch on its surface, the present one first.
-fn sides<S: System + ?Sized>(system: &S, switch: usize, before: &[f64], leaving: &[(usize, f64)]) -> [f64; 2] {
-    let (above, below) = (mode(system, switch, 1.0), mode(system, switch, -1.0));
-    let first = match leaving.iter().find(|(other, _)| *other == switch) {
-        Some((_, side)) => mode(system, switch, *side),
-        None if before[switch] == below => below,
-        None => above,
-    };
-    if first == above { [above, below] } else { [below, above] }
 }
 
 fn is_sign<S: System + ?Sized>(system: &S, switch: usize) -> bool {

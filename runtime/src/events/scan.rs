@@ -244,22 +244,8 @@ impl Scanner {
         segment: &Segment<'_>,
     ) -> Result<(), Box<Cause>> {
         let (start, middle, end) = (self.start[function], self.middle[function], self.end[function]);
-        let name = || watched_name(system, sampler, function);
         let mut grid = std::mem::take(&mut self.grid);
-        grid.clear();
-        if self.inside[function] {
-            let course = Course::Step(*segment);
-            let places = arguments.places(system, &course, watched(sampler, function));
-            for theta in places.ok_or_else(|| Cause::OscillatesTooFast { function: name(), limit: TooFast::Inside })? {
-                let known = [start, middle, end].into_iter().find(|sample| sample.x == theta);
-                grid.push(known.unwrap_or_else(|| {
-                    let (value, slope) = sampler.sample(system, segment, function, theta);
-                    Sample { x: theta, value, slope }
-                }));
-            }
-        } else {
-            grid.extend([start, end]);
-        }
+        self.first_samples(function, sampler, arguments, (system, segment), &mut grid)?;
         let instant = ROUNDINGS * f64::EPSILON * segment.t.abs() / segment.h;
         let zero = if self.fresh[function] { self.zero[function] } else { 0.0 };
         let is_switch = sampler.switch(function).is_some();
@@ -270,39 +256,9 @@ impl Scanner {
         };
         // Where an event is zero was found out at the start.
         let known = if is_switch { (ZERO + instant) * near } else { self.zero[function] };
-        let mut floor = 0.0;
-        if self.fresh[function] && start.value.abs() <= known {
-            floor = known;
-            self.zero[function] = known;
-            grid[0].value = 0.0;
-            if !is_switch {
-                // An event that is zero where a motion begins has no side until it has left zero; a hop that is too low to
-                // be seen is over before the step has well begun.
-                self.sides[function] = self.leaving[function];
-            }
-        }
-        // What leaves its surface to a side begins there, on whichever side rounding has put it: a short step does not show that
-        // it is rounding, but the longer one before did.
-        let side = self.sides[function];
-        let leaves = is_switch && start.slope * side > 0.0 && start.value * side < 0.0;
-        if self.fresh[function] && leaves && start.value.abs() <= self.zero[function] {
-            floor = floor.max(start.value.abs());
-            grid[0].value = 0.0;
-        }
+        let floor = self.zero_at_start((function, is_switch), known, &mut grid[0]);
         let mut certifier = std::mem::take(&mut self.certifier);
-        let mut sample = |theta: f64| {
-            if theta == 0.5 {
-                return (middle.value, middle.slope);
-            }
-            sampler.sample(system, segment, function, theta)
-        };
-        let mut certified = certifier.settles(&mut sample, &grid);
-        if !certified {
-            certifier.rounding = sampler.rounding(system, segment, function);
-            certifier.resolution = f64::EPSILON * segment.t.abs() / segment.h;
-            let mut sample = |theta: f64| sampler.sample(system, segment, function, theta);
-            certified = certifier.certify(&mut sample, &grid).is_ok();
-        }
+        let certified = is_certified(&mut certifier, sampler, (system, segment, function), (&grid, middle));
         let marks = self.crossings.len() + self.anomalies.len();
         self.collect((function, is_switch), &certifier, segment, floor);
         if self.crossings.len() + self.anomalies.len() > marks {
@@ -319,6 +275,60 @@ impl Scanner {
                 Err(Cause::OscillatesTooFast { function: watched_name(system, sampler, function), limit }.into())
             }
         }
+    }
+
+    /// Samples a function where its search begins: at the ends of the step, or where its arguments inside say.
+    fn first_samples<S: System + ?Sized>(
+        &self,
+        function: usize,
+        sampler: &mut Sampler,
+        arguments: &mut Arguments,
+        (system, segment): (&S, &Segment<'_>),
+        grid: &mut Vec<Sample>,
+    ) -> Result<(), Box<Cause>> {
+        let (start, middle, end) = (self.start[function], self.middle[function], self.end[function]);
+        let name = || watched_name(system, sampler, function);
+        grid.clear();
+        if self.inside[function] {
+            let course = Course::Step(*segment);
+            let places = arguments.places(system, &course, watched(sampler, function));
+            for theta in places.ok_or_else(|| Cause::OscillatesTooFast { function: name(), limit: TooFast::Inside })? {
+                let known = [start, middle, end].into_iter().find(|sample| sample.x == theta);
+                grid.push(known.unwrap_or_else(|| {
+                    let (value, slope) = sampler.sample(system, segment, function, theta);
+                    Sample { x: theta, value, slope }
+                }));
+            }
+        } else {
+            grid.extend([start, end]);
+        }
+        Ok(())
+    }
+
+    /// Takes the first sample of a step as zero where it is zero to rounding, by what is `known` of zero there; up to which size the
+    /// function is zero until it has left it.
+    fn zero_at_start(&mut self, (function, is_switch): (usize, bool), known: f64, first: &mut Sample) -> f64 {
+        let start = self.start[function];
+        let mut floor = 0.0;
+        if self.fresh[function] && start.value.abs() <= known {
+            floor = known;
+            self.zero[function] = known;
+            first.value = 0.0;
+            if !is_switch {
+                // An event that is zero where a motion begins has no side until it has left zero; a hop that is too low to
+                // be seen is over before the step has well begun.
+                self.sides[function] = self.leaving[function];
+            }
+        }
+        // What leaves its surface to a side begins there, on whichever side rounding has put it: a short step does not show that
+        // it is rounding, but the longer one before did.
+        let side = self.sides[function];
+        let leaves = is_switch && start.slope * side > 0.0 && start.value * side < 0.0;
+        if self.fresh[function] && leaves && start.value.abs() <= self.zero[function] {
+            floor = floor.max(start.value.abs());
+            first.value = 0.0;
+        }
+        floor
     }
 
     /// Takes over what the certifier marked, from where the function first is beyond `floor`: before, it is zero to
@@ -379,6 +389,28 @@ impl Scanner {
         }
         self.end_sides[function] = side;
     }
+}
+
+/// Whether all zeros of a function in a step are found, at the first look or by dividing the step.
+fn is_certified<S: System + ?Sized>(
+    certifier: &mut Certifier,
+    sampler: &mut Sampler,
+    (system, segment, function): (&S, &Segment<'_>, usize),
+    (grid, middle): (&[Sample], Sample),
+) -> bool {
+    let mut sample = |theta: f64| {
+        if theta == 0.5 {
+            return (middle.value, middle.slope);
+        }
+        sampler.sample(system, segment, function, theta)
+    };
+    if certifier.settles(&mut sample, grid) {
+        return true;
+    }
+    certifier.rounding = sampler.rounding(system, segment, function);
+    certifier.resolution = f64::EPSILON * segment.t.abs() / segment.h;
+    let mut sample = |theta: f64| sampler.sample(system, segment, function, theta);
+    certifier.certify(&mut sample, grid).is_ok()
 }
 
 /// Divides the first piece of a grid towards the start of the step, until what a function does there is not hidden by its far

@@ -1,0 +1,197 @@
+//! Combinations of sides of the switches that are on their surfaces, and where their arguments go under each.
+
+use super::certify::Sample;
+use super::modes::{Known, STANDS, Trial, mode, side_of};
+use super::sample::Sampler;
+use crate::mechanism::System;
+
+/// An argument that would vanish within this part of a step vanishes.
+const NOW: f64 = 1e-11;
+/// A rate that is this part of the mean one over a step is next to nothing.
+const NEXT_TO_NOTHING: f64 = 1e-6;
+/// Combinations of sides that are tried.
+const MOST_COMBINATIONS: usize = 64;
+
+/// Sides of the switches that are on their surface.
+#[derive(Clone)]
+pub(super) struct Combination {
+    /// The modes of all switches.
+    pub modes: Vec<f64>,
+    /// Which are on their surface.
+    pub on: Vec<bool>,
+}
+
+/// The switches before their modes are chosen.
+pub(super) struct ModesBefore<'a> {
+    /// Their modes; of those that slid the modes at rest.
+    pub modes: &'a [f64],
+    /// Those that slid.
+    pub slid: &'a [usize],
+    /// Those that leave their surface, and to which side.
+    pub leaving: &'a [(usize, f64)],
+}
+
+/// The combinations of sides that a state allows, the present one first: a switch off its surface has the sign of its argument under the
+/// modes of earlier ones.
+pub(super) fn combinations<S: System + ?Sized>(
+    system: &mut S,
+    sampler: &mut Sampler,
+    (t, y): (f64, &[f64]),
+    known: &Known<'_>,
+    before: &ModesBefore<'_>,
+) -> Vec<Combination> {
+    let count = before.modes.len();
+    let mut combinations = Vec::new();
+    // With the switch to look at next.
+    let mut stack = vec![(Combination { modes: before.modes.to_vec(), on: vec![false; count] }, 0)];
+    while let Some((mut one, next)) = stack.pop() {
+        for switch in next..count {
+            system.set_modes(&one.modes);
+            if let Some(side) = known.beyond[switch] {
+                one.modes[switch] = mode(system, switch, side);
+                continue;
+            }
+            sampler.at_state(system, t, y);
+            let (value, rate) = (sampler.value(sampler.function_of(switch)), sampler.rate(switch));
+            let on = known.surface[switch]
+                || before.slid.contains(&switch)
+                || value == 0.0
+                || value.abs() <= NOW * known.step * rate.abs();
+            if !on {
+                one.modes[switch] = mode(system, switch, value);
+                continue;
+            }
+            one.on[switch] = true;
+            let [first, second] = sides(system, switch, before);
+            if combinations.len() + stack.len() < MOST_COMBINATIONS {
+                let mut other = one.clone();
+                other.modes[switch] = second;
+                stack.push((other, switch + 1));
+            }
+            one.modes[switch] = first;
+        }
+        combinations.push(one);
+    }
+    combinations
+}
+
+/// A switch on its surface that two combinations move away to different sides, each to the one that it says.
+pub(super) fn undecided<S: System + ?Sized>(
+    system: &S,
+    combinations: &[Combination],
+    directions: &[Vec<f64>],
+) -> Option<usize> {
+    let agree: Vec<&Vec<f64>> = combinations
+        .iter()
+        .zip(directions)
+        .filter(|(one, to)| against(system, one, to, directions).is_empty())
+        .map(|(_, to)| to)
+        .collect();
+    let count = agree.first().map_or(0, |to| to.len());
+    (0..count).find(|k| agree.iter().any(|to| to[*k] > 0.0) && agree.iter().any(|to| to[*k] < 0.0))
+}
+
+/// The first combination that moves every argument on its surface to the side that it says, and where it moves them; one that
+/// moves something before others.
+pub(super) fn agreed<S: System + ?Sized>(
+    system: &S,
+    combinations: &[Combination],
+    directions: &[Vec<f64>],
+) -> Option<(Combination, Vec<f64>)> {
+    let agree =
+        || combinations.iter().zip(directions).filter(|(one, to)| against(system, one, to, directions).is_empty());
+    let moves = |(one, to): &(&Combination, &Vec<f64>)| one.on.iter().zip(*to).any(|(on, to)| *on && *to != 0.0);
+    agree().find(moves).or_else(|| agree().next()).map(|(one, to)| (one.clone(), to.clone()))
+}
+
+/// The switches on their surface that a combination moves against the sides that it says.
+pub(super) fn against<S: System + ?Sized>(
+    system: &S,
+    one: &Combination,
+    to: &[f64],
+    directions: &[Vec<f64>],
+) -> Vec<usize> {
+    let back = |k: &usize| one.on[*k] && side_of(system, *k, one.modes[*k]) * to[*k] < -STANDS * scale(directions, *k);
+    (0..one.on.len()).filter(back).collect()
+}
+
+/// The largest size of what an argument does under any combination.
+pub(super) fn scale(directions: &[Vec<f64>], switch: usize) -> f64 {
+    directions.iter().map(|to| to[switch].abs()).fold(0.0, f64::max)
+}
+
+/// When a trial step tells where an argument goes.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Looks {
+    /// Where its rate vanishes.
+    WhereRatesVanish,
+    /// Where its rate is next to nothing, too.
+    Always,
+}
+
+/// Where the arguments on their surface go under each combination.
+pub(super) fn all_directions<S: System + ?Sized>(
+    system: &mut S,
+    sampler: &mut Sampler,
+    (t, y): (f64, &[f64]),
+    (combinations, looks): (&[Combination], Looks),
+    trial: Trial<'_, S>,
+) -> Vec<Vec<f64>> {
+    combinations.iter().map(|one| directions(system, sampler, (t, y), (one, looks), trial)).collect()
+}
+
+/// Where the arguments on their surface go under a combination: their rates or, where a trial step tells, their values in it.
+fn directions<S: System + ?Sized>(
+    system: &mut S,
+    sampler: &mut Sampler,
+    (t, y): (f64, &[f64]),
+    (one, looks): (&Combination, Looks),
+    trial: Trial<'_, S>,
+) -> Vec<f64> {
+    system.set_modes(&one.modes);
+    sampler.at_state(system, t, y);
+    let mut to: Vec<f64> = (0..one.on.len()).map(|k| if one.on[k] { sampler.rate(k) } else { 0.0 }).collect();
+    let unsure: Vec<usize> =
+        (0..to.len()).filter(|k| one.on[*k] && (to[*k] == 0.0 || looks == Looks::Always)).collect();
+    if unsure.is_empty() {
+        return to;
+    }
+    let Some(step) = trial(system) else { return to };
+    let mut samples: Vec<Sample> = Vec::new();
+    for switch in unsure {
+        // The first values that stand out: a long step may lead through many zeros.
+        let function = sampler.function_of(switch);
+        let mut at = |theta: f64| {
+            sampler.samples(system, &step.segment(), theta, &mut samples);
+            samples[function]
+        };
+        let start = at(0.0).value;
+        let (mut theta, mut change) = (1.0, 0.0);
+        for _ in 0..40 {
+            let here = at(theta);
+            change = here.value - start;
+            // Bent away from zero like a power of θ: the slope agrees with the value.
+            let power = theta * here.slope / change;
+            if change != 0.0 && (0.9..8.5).contains(&power) || change == 0.0 && here.slope == 0.0 {
+                break;
+            }
+            theta *= 0.5;
+        }
+        let mean = change / (theta * step.h);
+        if to[switch].abs() <= NEXT_TO_NOTHING * mean.abs() {
+            to[switch] = mean;
+        }
+    }
+    to
+}
+
+/// The sides to try for a switch on its surface, the present one first.
+fn sides<S: System + ?Sized>(system: &S, switch: usize, before: &ModesBefore<'_>) -> [f64; 2] {
+    let (above, below) = (mode(system, switch, 1.0), mode(system, switch, -1.0));
+    let first = match before.leaving.iter().find(|(other, _)| *other == switch) {
+        Some((_, side)) => mode(system, switch, *side),
+        None if before.modes[switch] == below => below,
+        None => above,
+    };
+    if first == above { [above, below] } else { [below, above] }
+}
