@@ -82,89 +82,149 @@ pub(super) fn states(
     let room = (WORK / motion.work().max(1)).clamp(6, 128);
     let phases = motion.constraints.phases();
     drawn(model, motion, &mut draws, (when, own), room.min(DRAWN), &mut found)?;
-    // As many rows are independent where nothing is special.
-    let usual: Vec<usize> = (0..phases)
-        .map(|phase| {
-            let most = |states: &[State]| motion.constraints.ranks(states)[phase];
-            [most(own), most(&found.all)].into_iter().flatten().min().unwrap_or(0)
-        })
-        .collect();
+    let search = StateSearch { model, motion, room, usual: usual_ranks(motion, own, &found.all) };
     let mut bases: Vec<Vec<State>> = Vec::new();
     for phase in 0..phases {
         bases.push(found.all.iter().filter(|s| s.phase == phase).take(2).cloned().collect());
     }
     if gate.rows {
-        for phase in 0..phases.min(MOST_PHASES) {
-            for group in groups(model).into_iter().take(room / 4) {
-                let mut state = draws.group(&group, when);
-                state.phase = phase;
-                if draws.inside(&state) {
-                    keep((motion, &usual), state, &mut found.all);
-                }
-            }
-        }
+        search.groups_alone(&mut draws, when, &mut found.all);
     }
-    let mut paths: Vec<Vec<State>> = Vec::new();
-    for (run, scene) in trajectories.iter().zip(&model.scenes) {
-        paths.extend(stretches(motion, run));
-        found.followed.push((scene.name.clone(), run.reached(), run.until));
-        found.unreached.extend(lock(model, motion, (run, &scene.name)));
-        found.blows.extend(run.blows.iter().take(BLOWS).filter_map(|velocity_jump| struck(motion, run, velocity_jump)));
-        found.hits.extend(run.hits.iter().take(HITS).map(|(event, step)| {
-            let mut state = on_the_way(run, step);
-            motion.prepare(&mut state);
-            (*event, state)
-        }));
-        let share = (room / 4 / trajectories.len()).clamp(1, FROM_MOTION);
-        for (phase, bases) in bases.iter_mut().enumerate() {
-            for step in run.spread(phase, share) {
-                let mut state = on_the_way(run, step);
-                state.outside = !draws.inside(&state);
-                bases.push(state.clone());
-                keep((motion, &usual), state, &mut found.all);
-            }
-        }
-    }
+    let paths = search.along_runs(&draws, &trajectories, &mut bases, &mut found);
     if gate.sides {
         let until = trajectories.iter().map(|run| run.until).fold(0.0, f64::max);
         let until = if until > 0.0 { until } else { 10.0 };
-        let of = |i: usize, speed: bool| draws.reach(i, speed);
-        let inside = |state: &State| draws.inside(state);
-        let reach = Reach { until, of: &of, inside: &inside };
         // What acts in one phase may be claimed of another: each is searched for itself.
         for (phase, bases) in bases.iter().enumerate().take(SEARCHED) {
             let paths: Vec<&[State]> = paths.iter().filter(|p| p[0].phase == phase).map(Vec::as_slice).collect();
-            let beside = sides(model, motion, (bases, &paths), &reach);
-            let words = |words: String| match model.phases.get(phase).filter(|phase| !phase.name.is_empty()) {
-                Some(phase) => format!("{words} in the phase `{}`", phase.name),
-                None => words,
-            };
-            found.unreached.extend(beside.unreached.into_iter().map(words));
-            // Outside of the file's `sample`, only the motion itself is asked.
-            for (states, kept) in [(beside.states, &mut found.all), (beside.surfaces, &mut found.surfaces)] {
-                let outside = |mut state: State| {
-                    state.outside = !draws.inside(&state);
-                    state
-                };
-                let asked = |state: &State| !state.outside || state.origin == Origin::Motion;
-                let states: Vec<State> = states.into_iter().map(outside).filter(asked).collect();
-                if states.len() > 2 * room {
-                    let more = states.len() - 2 * room;
-                    let left = format!("{more} states beside discontinuities were left out, which would take too long");
-                    found.unreached.push(words(left));
-                }
-                for mut state in states.into_iter().take(2 * room) {
-                    // Next to a discontinuity wherever it comes from.
-                    state.origin = Origin::Side;
-                    keep((motion, &usual), state, kept);
-                }
-            }
+            search.beside_discontinuities(&draws, phase, (bases, &paths), until, &mut found);
         }
         if phases > SEARCHED {
             found.unreached.push(format!("discontinuities were looked for in {SEARCHED} of {phases} phases"));
         }
     }
     Ok(found)
+}
+
+/// How many rows of each phase are independent where nothing is special: as many as at most states.
+fn usual_ranks(motion: &Motion, own: &[State], drawn: &[State]) -> Vec<usize> {
+    (0..motion.constraints.phases())
+        .map(|phase| {
+            let most = |states: &[State]| motion.constraints.ranks(states)[phase];
+            [most(own), most(drawn)].into_iter().flatten().min().unwrap_or(0)
+        })
+        .collect()
+}
+
+/// What states beside the drawn ones are searched with.
+struct StateSearch<'a> {
+    model: &'a Model,
+    motion: &'a Motion,
+    /// How many states each search may find, about.
+    room: usize,
+    /// How many rows of each phase are independent where nothing is special.
+    usual: Vec<usize>,
+}
+
+impl StateSearch<'_> {
+    /// States in which one group of coordinates moves, the others at rest.
+    fn groups_alone(&self, draws: &mut Draws<'_>, when: &[(usize, f64)], kept: &mut Vec<State>) {
+        for phase in 0..self.usual.len().min(MOST_PHASES) {
+            for group in groups(self.model).into_iter().take(self.room / 4) {
+                let mut state = draws.group(&group, when);
+                state.phase = phase;
+                if draws.inside(&state) {
+                    self.keep(state, kept);
+                }
+            }
+        }
+    }
+
+    /// States from the motion itself, which are `bases` of searches too, with its jumps and impacts; the paths of all runs.
+    fn along_runs(
+        &self,
+        draws: &Draws<'_>,
+        trajectories: &[Trajectory],
+        bases: &mut [Vec<State>],
+        found: &mut States,
+    ) -> Vec<Vec<State>> {
+        let (model, motion) = (self.model, self.motion);
+        let mut paths: Vec<Vec<State>> = Vec::new();
+        for (run, scene) in trajectories.iter().zip(&model.scenes) {
+            paths.extend(stretches(motion, run));
+            found.followed.push((scene.name.clone(), run.reached(), run.until));
+            found.unreached.extend(lock(model, motion, (run, &scene.name)));
+            found
+                .blows
+                .extend(run.blows.iter().take(BLOWS).filter_map(|velocity_jump| struck(motion, run, velocity_jump)));
+            found.hits.extend(run.hits.iter().take(HITS).map(|(event, step)| {
+                let mut state = on_the_way(run, step);
+                motion.prepare(&mut state);
+                (*event, state)
+            }));
+            let share = (self.room / 4 / trajectories.len()).clamp(1, FROM_MOTION);
+            for (phase, bases) in bases.iter_mut().enumerate() {
+                for step in run.spread(phase, share) {
+                    let mut state = on_the_way(run, step);
+                    state.outside = !draws.inside(&state);
+                    bases.push(state.clone());
+                    self.keep(state, &mut found.all);
+                }
+            }
+        }
+        paths
+    }
+
+    /// States on both sides of every discontinuity of a phase, and at it.
+    fn beside_discontinuities(
+        &self,
+        draws: &Draws<'_>,
+        phase: usize,
+        (bases, paths): (&[State], &[&[State]]),
+        until: f64,
+        found: &mut States,
+    ) {
+        let of = |i: usize, speed: bool| draws.reach(i, speed);
+        let inside = |state: &State| draws.inside(state);
+        let reach = Reach { until, of: &of, inside: &inside };
+        let beside = sides(self.model, self.motion, (bases, paths), &reach);
+        let words = |words: String| match self.model.phases.get(phase).filter(|phase| !phase.name.is_empty()) {
+            Some(phase) => format!("{words} in the phase `{}`", phase.name),
+            None => words,
+        };
+        found.unreached.extend(beside.unreached.into_iter().map(words));
+        // Outside of the file's `sample`, only the motion itself is asked.
+        for (states, kept) in [(beside.states, &mut found.all), (beside.surfaces, &mut found.surfaces)] {
+            let outside = |mut state: State| {
+                state.outside = !draws.inside(&state);
+                state
+            };
+            let asked = |state: &State| !state.outside || state.origin == Origin::Motion;
+            let states: Vec<State> = states.into_iter().map(outside).filter(asked).collect();
+            if states.len() > 2 * self.room {
+                let more = states.len() - 2 * self.room;
+                let left = format!("{more} states beside discontinuities were left out, which would take too long");
+                found.unreached.push(words(left));
+            }
+            for mut state in states.into_iter().take(2 * self.room) {
+                // Next to a discontinuity wherever it comes from.
+                state.origin = Origin::Side;
+                self.keep(state, kept);
+            }
+        }
+    }
+
+    /// Keeps a state that has a motion, and can show it: constraints do not depend on each other there only.
+    fn keep(&self, mut state: State, kept: &mut Vec<State>) {
+        let constraints = &self.motion.constraints;
+        if self.motion.complete(&mut state).is_ok()
+            && constraints.rank(&state).0 >= self.usual[state.phase]
+            && !constraints.nearly_dependent(&state)
+            && !constraints.rests(&state)
+        {
+            kept.push(state);
+        }
+    }
 }
 
 /// A step of a run as a state.
@@ -245,7 +305,7 @@ fn drawn(
     wanted: usize,
     found: &mut States,
 ) -> Result<(), Box<Problem>> {
-    let (mut singular, mut largest_rank, mut nearly) = (None, 0, Vec::new());
+    let (mut singular, mut nearly): (Option<Singular>, _) = (None, Vec::new());
     let mut tried = 0;
     let phases = motion.constraints.phases();
     let wanted = (wanted * phases.min(MOST_PHASES)).max(if phases > 1 { FEWEST * phases } else { 0 });
@@ -275,8 +335,8 @@ fn drawn(
             // Where M has full rank somewhere, other states are singular positions; where it has it nowhere, the
             // largest rank counts.
             Err(Incomplete::Singular { rank, coordinates }) => {
-                if rank >= largest_rank {
-                    (largest_rank, singular) = (rank, Some((coordinates, state)));
+                if singular.as_ref().is_none_or(|singular| rank >= singular.rank) {
+                    singular = Some(Singular { rank, coordinates, state });
                 }
                 if found.all.is_empty() && tried >= 2 * wanted.max(8) {
                     break;
@@ -289,29 +349,63 @@ fn drawn(
     let phases_without: Vec<usize> = (0..phases).filter(|phase| few(&found.all, *phase)).collect();
     found.all.extend(nearly.into_iter().filter(|state| phases_without.contains(&state.phase)).take(wanted));
     motion.constraints.regular(&mut found.all);
+    enough(model, motion, &found.all, singular, DrawCount { wanted, tried, most })
+}
+
+/// A state at which M is singular.
+struct Singular {
+    /// The rank of M.
+    rank: usize,
+    /// Coordinates of which a combination moves nothing.
+    coordinates: Vec<usize>,
+    state: State,
+}
+
+/// How many states were to be drawn.
+struct DrawCount {
+    /// So many are wanted.
+    wanted: usize,
+    /// So many were tried.
+    tried: usize,
+    /// So many are tried at the most.
+    most: usize,
+}
+
+/// Asks that the states are as many as something can be said with.
+///
+/// # Errors
+/// Constraints that no state meets, a mass matrix that is singular in all states, or too few states for another reason.
+fn enough(
+    model: &Model,
+    motion: &Motion,
+    states: &[State],
+    singular: Option<Singular>,
+    draw: DrawCount,
+) -> Result<(), Box<Problem>> {
+    let phases = motion.constraints.phases();
     // Contacts that would have to move in two ways at once never stick together: no motion passes such a phase.
     let of_contacts =
         |phase: usize| motion.constraints.active(phase).iter().any(|row| model.contact_rows().contains(row));
-    let empty = |phase: &usize| !of_contacts(*phase) && !found.all.iter().any(|state| state.phase == *phase);
+    let empty = |phase: &usize| !of_contacts(*phase) && !states.iter().any(|state| state.phase == *phase);
     if let Some(phase) = (0..phases).find(empty).filter(|phase| !motion.constraints.active(*phase).is_empty())
         && singular.is_none()
     {
         let of_phase = model.phases.get(phase).map_or(&[][..], |phase| &phase.constraints);
         let names: Vec<String> = of_phase.iter().map(|c| format!("`{}`", model.constraints[*c].name)).collect();
         let place = of_phase.first().map_or_else(Place::default, |c| model.constraints[*c].place.clone());
-        return Err(Box::new(verdicts::constraints_not_met(place, listed(&names), tried)));
+        return Err(Box::new(verdicts::constraints_not_met(place, listed(&names), draw.tried)));
     }
-    if found.all.len() >= wanted || (!motion.constraints.is_empty() && found.all.len() >= FEWEST) {
+    if states.len() >= draw.wanted || (!motion.constraints.is_empty() && states.len() >= FEWEST) {
         return Ok(());
     }
     Err(Box::new(match singular {
-        Some((coordinates, state)) if found.all.is_empty() => {
+        Some(Singular { rank, coordinates, state }) if states.is_empty() => {
             let names: Vec<String> = coordinates.iter().map(|i| format!("`{}`", model.coordinates[*i].name)).collect();
             let place = model.coordinates[coordinates[0]].place.clone();
-            let rank = format!("{largest_rank} of {}", motion.n);
+            let rank = format!("{rank} of {}", motion.n);
             verdicts::singular_mass(place, rank, listed(&names), describe(model, &state))
         }
-        _ => verdicts::too_few_states(Place::default().key("coordinates"), found.all.len(), most),
+        _ => verdicts::too_few_states(Place::default().key("coordinates"), states.len(), draw.most),
     }))
 }
 
@@ -375,16 +469,4 @@ fn groups(model: &Model) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = groups.into_iter().map(|g| g.1).collect();
     groups.extend([vec![0], vec![n - 1]]);
     groups
-}
-
-/// Keeps a state that has a motion, and can show it: constraints do not depend on each other there only.
-fn keep((motion, usual): (&Motion, &[usize]), mut state: State, kept: &mut Vec<State>) {
-    let constraints = &motion.constraints;
-    if motion.complete(&mut state).is_ok()
-        && constraints.rank(&state).0 >= usual[state.phase]
-        && !constraints.nearly_dependent(&state)
-        && !constraints.rests(&state)
-    {
-        kept.push(state);
-    }
 }
