@@ -1,14 +1,18 @@
 //! What a file says is conserved, or holds.
 
-use super::Gate;
+use std::borrow::Cow;
+
 use super::effects::effects;
 use super::explain::{Evidence, Explanation, explain};
+use super::motion::Motion;
 use super::potential::Conservative;
+use super::report::Report;
 use super::state::{State, describe};
-use super::states::States;
-use crate::derive::{Equations, Switch, SwitchKind, introduce, rates};
-use crate::diagnose::Problem;
+use super::states::{self, States};
+use super::{Gate, impacts};
+use crate::derive::{Equations, Rows, Switch, SwitchKind, introduce, rates};
 use crate::diagnose::catalogue::verdicts;
+use crate::diagnose::{Place, Problem};
 use crate::expr::{Graph, Id, Measured, Scalar, Symbol, Tape, Unary};
 use crate::model::{Check, Conserved, Model};
 use crate::number::DoubleDouble;
@@ -19,8 +23,70 @@ pub(super) fn invariant_rates(model: &mut Model) -> Vec<Vec<Id>> {
     conserved.iter().map(|claim| rates(graph, &claim.value)).collect()
 }
 
+/// What a file's claims are tested with.
+pub(super) struct Claims<'a> {
+    pub gate: Gate,
+    pub model: &'a Model,
+    pub equations: &'a Equations,
+    pub rows: &'a Rows,
+    pub motion: &'a Motion,
+    /// Positions with the first scene's parameters.
+    pub own: &'a [State],
+    /// States with parameters as they are drawn.
+    pub states: &'a States,
+}
+
+impl Claims<'_> {
+    /// Tests what is said to be conserved, by its `rates`, and identities; adds what does not hold to the problems.
+    ///
+    /// # Errors
+    /// States with a claim's own values of parameters that cannot be found.
+    pub fn test(
+        &self,
+        rates: &[Vec<Id>],
+        report: &mut Report,
+        problems: &mut Vec<Problem>,
+    ) -> Result<(), Vec<Problem>> {
+        let Claims { gate, model, equations, rows, motion, .. } = *self;
+        for (invariant, rates) in model.conserved.iter().zip(rates) {
+            let states = self.states_when(&invariant.when, (&invariant.place, &invariant.name))?;
+            match conserved(model, equations, &report.forces, (invariant, rates), &states, gate) {
+                Ok(worst) => {
+                    report.conserved.push((invariant.name.clone(), worst));
+                    report.changed_by.push(impacts::that_change(model, rows, motion, invariant, &states.all));
+                }
+                Err(problem) => problems.push(*problem),
+            }
+        }
+        for check in &model.checks {
+            let states = self.states_when(&check.when, (&check.place, &check.name))?;
+            match identity(model, check, &states, gate) {
+                Ok(worst) => report.checks.push((check.name.clone(), worst)),
+                Err(problem) => problems.push(*problem),
+            }
+        }
+        Ok(())
+    }
+
+    /// The states of a claim that holds for some values of parameters only.
+    fn states_when(
+        &self,
+        when: &[(usize, f64)],
+        (place, name): (&Place, &str),
+    ) -> Result<Cow<'_, States>, Vec<Problem>> {
+        if when.is_empty() {
+            return Ok(Cow::Borrowed(self.states));
+        }
+        let found = states::states(self.model, self.motion, when, self.own, self.gate);
+        found.map(Cow::Owned).map_err(|problem| match problem.code {
+            "E504" => vec![verdicts::too_few_states_when(place.clone().key("when"), name)],
+            _ => vec![*problem],
+        })
+    }
+}
+
 /// Every derivative must vanish by the magnitude of its own terms: the largest rate beside them.
-pub(super) fn conserved(
+fn conserved(
     model: &Model,
     equations: &Equations,
     natures: &[Conservative],
@@ -177,7 +243,7 @@ pub(super) fn with_modes(state: &State, modes: &[f64], symbol: Symbol) -> Measur
 }
 
 /// Both sides of an identity must be equal by the magnitude of their own terms.
-pub(super) fn identity(model: &Model, check: &Check, states: &States, gate: Gate) -> Result<f64, Box<Problem>> {
+fn identity(model: &Model, check: &Check, states: &States, gate: Gate) -> Result<f64, Box<Problem>> {
     let roots: Vec<Id> = check.left.iter().zip(&check.right).flat_map(|(l, r)| [*l, *r]).collect();
     let tape = Tape::new(&model.graph, &roots);
     let mut worst = 0.0_f64;

@@ -72,7 +72,7 @@ mod system;
 mod trajectory;
 mod unformed;
 
-use crate::derive::{Derivation, Equations, Rows, derive, derive_with_masses};
+use crate::derive::{Derivation, Equations, Momentum, Rows, derive, derive_with_masses};
 use crate::diagnose::catalogue::{mechanics, verdicts};
 use crate::diagnose::{Place, Problem, listed};
 use crate::expr::Id;
@@ -80,6 +80,7 @@ use crate::model::command::evaluate;
 use crate::model::{Load, Model, Sample, Work, rate_name};
 use crate::number::DoubleDouble;
 
+use claims::Claims;
 pub use common_inputs::shared_data;
 pub use directions::Direction;
 pub(crate) use directions::mixed;
@@ -200,61 +201,52 @@ impl Gate {
             Ok(lengths) => report.lengths = lengths,
             Err(problem) => problems.push(*problem),
         }
-        // Where it matters which body takes a load, there is no one second derivation to compare.
-        let mut fewer = Vec::new();
+        self.balances((model, momentum), &motion, &states, &mut report, &mut problems);
+        problems.extend(self.forces((model, rows), &motion, &states, &mut report));
+        problems.extend(impacts::elsewhere(model, rows, &motion, &states));
+        let rates = claims::invariant_rates(model);
+        let (gate, model, equations) = (self, &*model, &equations[0]);
+        let claims = Claims { gate, model, equations, rows, motion: &motion, own: &own, states: &states };
+        claims.test(&rates, &mut report, &mut problems)?;
+        problems.extend(same_motion::images(model, &motion, (equations, rows), &states.all));
+        report.states = states.all;
+        if problems.is_empty() { Ok(report) } else { Err(problems) }
+    }
+
+    /// Holds systems of momentum balances against the motion and its jumps, and leaves out equations of them that follow from others; where
+    /// it matters which body takes a load, there is no one second derivation to compare.
+    fn balances(
+        self,
+        (model, momentum): (&mut Model, &mut [Momentum]),
+        motion: &motion::Motion,
+        states: &States,
+        report: &mut Report,
+        problems: &mut Vec<Problem>,
+    ) {
         let unclear = hinge_ambiguity::ambiguous(model, momentum, &states.all);
-        if unclear.is_empty() {
-            match balances::agree(model, (&motion, momentum), (&states.all, &report.ranks), self) {
-                Ok(agreed) => {
-                    report.agreements.extend(agreed.agreements);
-                    report.alone = agreed.alone;
-                    fewer = agreed.fewer;
-                }
-                Err(found) => problems.extend(found),
+        if !unclear.is_empty() {
+            problems.extend(unclear);
+            return;
+        }
+        let mut fewer = Vec::new();
+        match balances::agree(model, (motion, momentum), (&states.all, &report.ranks), self) {
+            Ok(agreed) => {
+                report.agreements.extend(agreed.agreements);
+                report.alone = agreed.alone;
+                fewer = agreed.fewer;
             }
-            // What holds along the motion is held against jumps of the speeds too.
-            if problems.is_empty() {
-                match impulses::agree(model, &motion, momentum, &states.blows, self) {
-                    Ok(agreements) => report.agreements.extend(agreements),
-                    Err(found) => problems.extend(found),
-                }
+            Err(found) => problems.extend(found),
+        }
+        // What holds along the motion is held against jumps of the speeds too.
+        if problems.is_empty() {
+            match impulses::agree(model, motion, momentum, &states.blows, self) {
+                Ok(agreements) => report.agreements.extend(agreements),
+                Err(found) => problems.extend(found),
             }
         }
         for (k, equations) in fewer {
             momentum[k] = equations;
         }
-        problems.extend(unclear);
-        problems.extend(self.forces((model, rows), &motion, &states, &mut report));
-        problems.extend(impacts::elsewhere(model, rows, &motion, &states));
-        let rates = claims::invariant_rates(model);
-        let model = &*model;
-        let states_when = |when: &[(usize, f64)], (place, name): (&Place, &str)| match when {
-            [] => Ok(states.clone()),
-            _ => states::states(model, &motion, when, &own, self).map_err(|problem| match problem.code {
-                "E504" => vec![verdicts::too_few_states_when(place.clone().key("when"), name)],
-                _ => vec![*problem],
-            }),
-        };
-        for (invariant, rates) in model.conserved.iter().zip(&rates) {
-            let states = states_when(&invariant.when, (&invariant.place, &invariant.name))?;
-            match claims::conserved(model, &equations[0], &report.forces, (invariant, rates), &states, self) {
-                Ok(worst) => {
-                    report.conserved.push((invariant.name.clone(), worst));
-                    report.changed_by.push(impacts::that_change(model, rows, &motion, invariant, &states.all));
-                }
-                Err(problem) => problems.push(*problem),
-            }
-        }
-        for check in &model.checks {
-            let states = states_when(&check.when, (&check.place, &check.name))?;
-            match claims::identity(model, check, &states, self) {
-                Ok(worst) => report.checks.push((check.name.clone(), worst)),
-                Err(problem) => problems.push(*problem),
-            }
-        }
-        problems.extend(same_motion::images(model, &motion, (&equations[0], rows), &states.all));
-        report.states = states.all;
-        if problems.is_empty() { Ok(report) } else { Err(problems) }
     }
 
     /// Which forces have potentials, and what is counted twice.

@@ -109,48 +109,104 @@ fn component(k: usize, n: usize, i: usize) -> Symbol {
 
 /// The kind of the generalized force Q.
 fn nature(graph: &mut Graph, model: &Model, motion: &Motion, force: &[Id], states: &States) -> Nature {
-    let surfaces = &states.surfaces;
-    let states = &states.all;
-    let n = force.len();
-    let along = |graph: &mut Graph, k: usize| {
-        let mut total = Id::ZERO;
-        for (i, q) in force.iter().enumerate().filter(|(_, q)| **q != Id::ZERO) {
-            let u = graph.symbol(component(k, n, i));
-            let term = graph.mul(u, *q);
-            total = graph.add(total, term);
-        }
-        total
-    };
-    let (first, second) = (along(graph, 0), along(graph, 1));
-    let derivative = |graph: &mut Graph, root: Id, rate: &dyn Fn(Symbol) -> Option<Symbol>| {
-        Forward::new(|g: &mut Graph, s| rate(s).map_or(Id::ZERO, |r| g.symbol(r))).of(graph, root)
-    };
-    let by_velocity = derivative(graph, first, &|s| match s {
-        Symbol::Speed(j) => Some(component(1, n, j as usize)),
-        _ => None,
-    });
-    // Time and each input move at rates of their own.
-    let by_time = derivative(graph, first, &|s| match s {
-        Symbol::Time => Some(component(2, n, 0)),
-        Symbol::Input(k, order) => Some(component(2, n, 1 + 4 * k as usize + usize::from(order))),
-        _ => None,
-    });
-    let by_position = [(first, 1), (second, 0)].map(|(root, k)| {
-        derivative(graph, root, &|s| match s {
-            Symbol::Coordinate(j) => Some(component(k, n, j as usize)),
-            _ => None,
-        })
-    });
-    let curl = graph.sub(by_position[0], by_position[1]);
-    let mut power = Id::ZERO;
-    for (i, q) in force.iter().enumerate() {
-        let v = graph.symbol(Symbol::Speed(i as u32));
-        let term = graph.mul(v, *q);
-        power = graph.add(power, term);
+    let tests = ForceTests::of(graph, force);
+    let ForceTraits { acts, velocity, time, works, turning } = traits(graph, model, motion, &tests, &states.all);
+    match turning {
+        _ if !acts => Nature::Idle,
+        _ if velocity => Nature::Velocity { idle: !works },
+        Some(state) => largest_curl(graph, model, tests.curl, state),
+        None => match sheared(graph, force, &states.surfaces) {
+            Some(state) => Nature::Curl { between: None, value: f64::INFINITY, state: describe(model, state) },
+            None if time => Nature::TimeDependent,
+            None => Nature::Potential,
+        },
     }
-    let tape = Tape::new(graph, &[first, by_velocity, by_time, curl, power]);
-    let (mut acts, mut velocity, mut time, mut works) = (false, false, false, false);
-    let mut turning: Option<&State> = None;
+}
+
+/// What tells the kind of a generalized force Q, along random directions u and w in the space of coordinates.
+struct ForceTests {
+    /// How many components Q has.
+    n: usize,
+    /// u·Q.
+    along: Id,
+    /// Its derivative along w in the space of speeds.
+    by_velocity: Id,
+    /// Its derivative by time and inputs, each of which moves at a rate of its own.
+    by_time: Id,
+    /// u·(∂Q/∂q)w − w·(∂Q/∂q)u.
+    curl: Id,
+    /// q'·Q.
+    power: Id,
+}
+
+impl ForceTests {
+    fn of(graph: &mut Graph, force: &[Id]) -> ForceTests {
+        let n = force.len();
+        let along = |graph: &mut Graph, k: usize| {
+            let mut total = Id::ZERO;
+            for (i, q) in force.iter().enumerate().filter(|(_, q)| **q != Id::ZERO) {
+                let u = graph.symbol(component(k, n, i));
+                let term = graph.mul(u, *q);
+                total = graph.add(total, term);
+            }
+            total
+        };
+        let (first, second) = (along(graph, 0), along(graph, 1));
+        let derivative = |graph: &mut Graph, root: Id, rate: &dyn Fn(Symbol) -> Option<Symbol>| {
+            Forward::new(|g: &mut Graph, s| rate(s).map_or(Id::ZERO, |r| g.symbol(r))).of(graph, root)
+        };
+        let by_velocity = derivative(graph, first, &|s| match s {
+            Symbol::Speed(j) => Some(component(1, n, j as usize)),
+            _ => None,
+        });
+        let by_time = derivative(graph, first, &|s| match s {
+            Symbol::Time => Some(component(2, n, 0)),
+            Symbol::Input(k, order) => Some(component(2, n, 1 + 4 * k as usize + usize::from(order))),
+            _ => None,
+        });
+        let by_position = [(first, 1), (second, 0)].map(|(root, k)| {
+            derivative(graph, root, &|s| match s {
+                Symbol::Coordinate(j) => Some(component(k, n, j as usize)),
+                _ => None,
+            })
+        });
+        let curl = graph.sub(by_position[0], by_position[1]);
+        let mut power = Id::ZERO;
+        for (i, q) in force.iter().enumerate() {
+            let v = graph.symbol(Symbol::Speed(i as u32));
+            let term = graph.mul(v, *q);
+            power = graph.add(power, term);
+        }
+        ForceTests { n, along: first, by_velocity, by_time, curl, power }
+    }
+}
+
+/// What a generalized force does in some of the states.
+#[derive(Default)]
+struct ForceTraits<'a> {
+    /// It does not vanish.
+    acts: bool,
+    /// It depends on velocity.
+    velocity: bool,
+    /// It depends on time.
+    time: bool,
+    /// It does work.
+    works: bool,
+    /// The first state in which it has a curl.
+    turning: Option<&'a State>,
+}
+
+/// Evaluates what tells the kind of a force in all states.
+fn traits<'a>(
+    graph: &Graph,
+    model: &Model,
+    motion: &Motion,
+    tests: &ForceTests,
+    states: &'a [State],
+) -> ForceTraits<'a> {
+    let n = tests.n;
+    let tape = Tape::new(graph, &[tests.along, tests.by_velocity, tests.by_time, tests.curl, tests.power]);
+    let mut found = ForceTraits::default();
     let mut random = Random::new();
     for (k, state) in states.iter().enumerate() {
         let directions: Vec<f64> = (0..2 * n + 1 + 4 * model.inputs.len()).map(|_| random.between(-1.0, 1.0)).collect();
@@ -164,12 +220,12 @@ fn nature(graph: &mut Graph, model: &Model, motion: &Motion, force: &[Id], state
         };
         let here = at(state);
         let differs = |x: &Measured| x.value.is_finite() && !x.vanishes(super::ROUNDINGS);
-        acts |= differs(&here[0]);
-        velocity |= differs(&here[1]);
-        time |= differs(&here[2]);
-        works |= differs(&here[4]);
-        if differs(&here[3]) && turning.is_none() {
-            turning = Some(state);
+        found.acts |= differs(&here[0]);
+        found.velocity |= differs(&here[1]);
+        found.time |= differs(&here[2]);
+        found.works |= differs(&here[4]);
+        if differs(&here[3]) && found.turning.is_none() {
+            found.turning = Some(state);
         }
         let at_another_time = |s: &mut State, t: DoubleDouble| {
             s.t = t;
@@ -184,20 +240,12 @@ fn nature(graph: &mut Graph, model: &Model, motion: &Motion, force: &[Id], state
             let gap = (there.value - here[0].value).abs().to_f64();
             gap.is_finite() && gap > 1e-20 * (there.magnitude + here[0].magnitude)
         };
-        velocity =
-            velocity || changed(&|s| s.v.clone_from(&other.v)) || changed(&|s| s.v.iter_mut().for_each(|v| *v = -*v));
-        time = time || changed(&|s| at_another_time(s, other.t));
+        found.velocity = found.velocity
+            || changed(&|s| s.v.clone_from(&other.v))
+            || changed(&|s| s.v.iter_mut().for_each(|v| *v = -*v));
+        found.time = found.time || changed(&|s| at_another_time(s, other.t));
     }
-    match turning {
-        _ if !acts => Nature::Idle,
-        _ if velocity => Nature::Velocity { idle: !works },
-        Some(state) => largest_curl(graph, model, curl, state),
-        None => match sheared(graph, force, surfaces) {
-            Some(state) => Nature::Curl { between: None, value: f64::INFINITY, state: describe(model, state) },
-            None if time => Nature::TimeDependent,
-            None => Nature::Potential,
-        },
-    }
+    found
 }
 
 /// A state at which a force jumps in another direction than across its discontinuity: work depends on where that is
