@@ -165,29 +165,8 @@ fn reduce(
     kept: &[usize],
     ignored: &mut [Ignored],
 ) -> Option<(Vec<Entry>, Vec<Id>)> {
-    // Columns by which all coordinates move with s and c.
-    let columns: Vec<Vec<(usize, i64)>> =
-        kept.iter().map(|i| vec![(*i, 1)]).chain(ignored.iter().map(|c| c.shift.clone())).collect();
-    let (left, n) = (kept.len(), columns.len());
-    let mut full = BTreeMap::new();
-    for (i, j, value) in &program.mass {
-        full.insert((*i, *j), *value);
-        full.insert((*j, *i), *value);
-    }
-    let mut mass = vec![Id::ZERO; n * n];
-    for (a, first) in columns.iter().enumerate() {
-        for (b, second) in columns.iter().enumerate() {
-            let pairs = first.iter().flat_map(|(i, x)| second.iter().map(move |(j, y)| ((*i, *j), x * y)));
-            mass[a * n + b] = combined(graph, pairs.filter_map(|(at, times)| Some((*full.get(&at)?, times))));
-        }
-    }
-    let bias: Vec<Id> =
-        columns.iter().map(|column| combined(graph, column.iter().map(|(i, x)| (program.bias[*i], *x)))).collect();
-    // On none of what goes anything depends.
-    let still = ignored.iter().map(|c| (Symbol::Coordinate(c.coordinate as u32), Id::ZERO)).collect();
-    let mass = substitute(graph, &mass, &still);
-    let bias = substitute(graph, &bias, &still);
-
+    let left = kept.len();
+    let Transformed { mass, bias, n } = Transformed::of(program, graph, kept, ignored);
     let count = ignored.len();
     let coupled: Vec<Entry> = (0..count)
         .flat_map(|a| (0..=a).map(move |b| (a, b)))
@@ -205,7 +184,7 @@ fn reduce(
     let mut rest = Vec::with_capacity(count);
     for (k, c) in ignored.iter().enumerate() {
         let resting = (0..program.model.coordinates.len() as u32).map(|i| (Symbol::Speed(i), Id::ZERO));
-        let at_rest = substitute(graph, &[c.momentum], &resting.chain(still.clone()).collect())[0];
+        let at_rest = substitute(graph, &[c.momentum], &resting.chain(places_gone(ignored)).collect())[0];
         let constant = graph.symbol(Symbol::Parameter(c.parameter as u32));
         let mut own = graph.sub(constant, at_rest);
         for (s, i) in kept.iter().enumerate() {
@@ -216,17 +195,8 @@ fn reduce(
         rest.push(own);
     }
     let rates = solved(graph, &rest)?;
-    let mut speeds: HashMap<Symbol, Id> = HashMap::default();
-    for i in 0..program.model.coordinates.len() {
-        let own = if kept.contains(&i) { graph.symbol(Symbol::Speed(i as u32)) } else { Id::ZERO };
-        let shifted = ignored
-            .iter()
-            .zip(&rates)
-            .flat_map(|(c, rate)| c.shift.iter().filter(|(j, _)| *j == i).map(|(_, times)| (*rate, *times)));
-        let shifted = combined(graph, shifted);
-        speeds.insert(Symbol::Speed(i as u32), graph.add(own, shifted));
-    }
     ignored.iter_mut().zip(&rates).for_each(|(c, rate)| c.rate = *rate);
+    let speeds = speeds(graph, program.model.coordinates.len(), kept, ignored);
     let bias = substitute(graph, &bias, &speeds);
 
     let across: Vec<Vec<Id>> = (0..left)
@@ -247,6 +217,58 @@ fn reduce(
     }
     let bias = (0..left).map(|a| less(graph, bias[a], a, &of_bias)).collect();
     Some((reduced, bias))
+}
+
+/// The equations of motion along the columns by which all coordinates move with s and c.
+struct Transformed {
+    /// M, row by row.
+    mass: Vec<Id>,
+    /// h.
+    bias: Vec<Id>,
+    /// How many columns there are.
+    n: usize,
+}
+
+impl Transformed {
+    fn of(program: &Program, graph: &mut Graph, kept: &[usize], ignored: &[Ignored]) -> Transformed {
+        let columns: Vec<Vec<(usize, i64)>> =
+            kept.iter().map(|i| vec![(*i, 1)]).chain(ignored.iter().map(|c| c.shift.clone())).collect();
+        let n = columns.len();
+        let mut full = BTreeMap::new();
+        for (i, j, value) in &program.mass {
+            full.insert((*i, *j), *value);
+            full.insert((*j, *i), *value);
+        }
+        let mut mass = vec![Id::ZERO; n * n];
+        for (a, first) in columns.iter().enumerate() {
+            for (b, second) in columns.iter().enumerate() {
+                let pairs = first.iter().flat_map(|(i, x)| second.iter().map(move |(j, y)| ((*i, *j), x * y)));
+                mass[a * n + b] = combined(graph, pairs.filter_map(|(at, times)| Some((*full.get(&at)?, times))));
+            }
+        }
+        let bias: Vec<Id> =
+            columns.iter().map(|column| combined(graph, column.iter().map(|(i, x)| (program.bias[*i], *x)))).collect();
+        let gone = places_gone(ignored).collect();
+        Transformed { mass: substitute(graph, &mass, &gone), bias: substitute(graph, &bias, &gone), n }
+    }
+}
+
+/// 0 for the place of each coordinate that goes: on none of them anything depends.
+fn places_gone(ignored: &[Ignored]) -> impl Iterator<Item = (Symbol, Id)> {
+    ignored.iter().map(|c| (Symbol::Coordinate(c.coordinate as u32), Id::ZERO))
+}
+
+/// The speeds of all `n` coordinates by those that are kept and by c'.
+fn speeds(graph: &mut Graph, n: usize, kept: &[usize], ignored: &[Ignored]) -> HashMap<Symbol, Id> {
+    let mut speeds: HashMap<Symbol, Id> = HashMap::default();
+    for i in 0..n {
+        let own = if kept.contains(&i) { graph.symbol(Symbol::Speed(i as u32)) } else { Id::ZERO };
+        let shifted =
+            ignored.iter().flat_map(|c| c.shift.iter().filter(|(j, _)| *j == i).map(|(_, times)| (c.rate, *times)));
+        let shifted = combined(graph, shifted);
+        speeds.insert(Symbol::Speed(i as u32), graph.add(own, shifted));
+    }
+    speeds
 }
 
 /// Σ xᵢ, each so many times.
