@@ -1,6 +1,52 @@
 //! Counting operations.
 
+use super::candidates::Chosen;
+use super::{Accelerations, Entry, jacobian_operations, read_signals};
 use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary};
+
+/// Operations of the generated functions; what depends on parameters only is computed once and not counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[expect(missing_docs, reason = "named after the functions")]
+pub struct Counts {
+    pub mass: usize,
+    pub bias: usize,
+    pub mass_and_bias: usize,
+    pub accelerations: usize,
+    pub residual: usize,
+    pub jacobians: usize,
+}
+
+impl Counts {
+    /// Counts them; where M and h are `unformed`, by slopes of F.
+    pub(super) fn of(
+        graph: &Graph,
+        n: usize,
+        (chosen, accelerations): (&Chosen, &Accelerations),
+        (stiffness, damping): (&[Entry], &[Entry]),
+        signals: &[[Id; 3]],
+        unformed: bool,
+    ) -> Counts {
+        let masses: Vec<Id> = chosen.mass.iter().map(|e| e.2).collect();
+        let mass_and_bias = [masses.as_slice(), &chosen.bias].concat();
+        let of_motion = if unformed { &chosen.residual } else { &mass_and_bias };
+        let signals = read_signals(graph, signals, of_motion.iter().copied());
+        let counts = Counts {
+            mass: operations(graph, &masses),
+            bias: operations(graph, &chosen.bias),
+            mass_and_bias: operations(graph, &mass_and_bias),
+            accelerations: accelerations.operations(graph, n, &chosen.mass, &chosen.bias) + operations(graph, &signals),
+            residual: operations(graph, &chosen.residual),
+            jacobians: jacobian_operations(graph, &chosen.residual, stiffness, damping),
+        };
+        if unformed { counts.by_slopes(n) } else { counts }
+    }
+
+    /// With what M, h and Jacobians take by slopes of F along every acceleration, coordinate and speed.
+    fn by_slopes(self, n: usize) -> Counts {
+        let f = self.residual;
+        Counts { mass: n * f, bias: f, mass_and_bias: (n + 1) * f, jacobians: (2 * n + 1) * f, ..self }
+    }
+}
 
 /// Additions, multiplications, divisions, roots and functions that the roots need, each shared node once.
 /// Changes of sign are free; what depends on parameters only is computed once per run and not counted.

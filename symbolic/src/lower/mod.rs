@@ -24,7 +24,9 @@ mod zero_factors;
 use std::borrow::Cow;
 use std::path::Path;
 
-use crate::derive::{Derivation, Switch, held_rates, rates};
+use candidates::Chosen;
+
+use crate::derive::{Derivation, Equations, Switch, held_rates, rates};
 use crate::diagnose::Problem;
 use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary, jacobian, logarithms_without_overflow, reverse, substitute};
 use crate::gate::{Judged, Report};
@@ -32,7 +34,7 @@ use crate::model::{Model, Scene, Shape};
 
 pub use arguments::{Argument, Role, Watched};
 pub use constraints::Constraints;
-pub use count::operations;
+pub use count::{Counts, operations};
 pub use elimination::{Cost, Elimination};
 pub use factor::Accelerations;
 pub use momentum::MomentumSystem;
@@ -154,26 +156,6 @@ impl Rate {
     }
 }
 
-/// Operations of the generated functions; what depends on parameters only is computed once and not counted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[expect(missing_docs, reason = "named after the functions")]
-pub struct Counts {
-    pub mass: usize,
-    pub bias: usize,
-    pub mass_and_bias: usize,
-    pub accelerations: usize,
-    pub residual: usize,
-    pub jacobians: usize,
-}
-
-impl Counts {
-    /// With what M, h and Jacobians take by slopes of F along every acceleration, coordinate and speed.
-    fn by_slopes(self, n: usize) -> Counts {
-        let f = self.residual;
-        Counts { mass: n * f, bias: f, mass_and_bias: (n + 1) * f, jacobians: (2 * n + 1) * f, ..self }
-    }
-}
-
 /// The functions of time that stand for the inputs, and their rates, that expressions read.
 pub fn read_signals(graph: &Graph, signals: &[[Id; 3]], roots: impl Iterator<Item = Id>) -> Vec<Id> {
     let signal = |symbol: Symbol| match symbol {
@@ -228,6 +210,7 @@ pub fn compile_for_runs_in(
 /// # Errors
 /// The model is too large.
 pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
+    // Long because each quantity of a program is made once, from those before it: the order of the lines is that of the graph's nodes.
     let Judged { derivation, cyclic, directions, report } = judged;
     let Derivation {
         mut model,
@@ -259,21 +242,16 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let mut constraints = constraints::lowered(graph, rows, &mut chosen);
     chosen.bias = gather::gather(graph, &chosen.bias);
     chosen.residual = gather::gather(graph, &chosen.residual);
-    // With constraints the forces of their multipliers are no part of h any more.
-    let derived = equations.iter().filter(|_| constraints.is_empty()).map(|derivation| derivation.bias.clone());
-    let derived: Vec<Vec<Id>> = derived.collect();
     let mut accelerations = match unformed {
         true => Accelerations::Loop,
-        false => factor::accelerations(graph, n, &chosen.mass, &chosen.bias, &derived),
+        // With constraints the forces of their multipliers are no part of h any more.
+        false => by_factors(graph, n, &chosen, if constraints.is_empty() { &equations } else { &[] }),
     };
     let (stiffness, damping) = match unformed {
         true => (Vec::new(), Vec::new()),
         false => gathered_jacobians(graph, n, &chosen.residual),
     };
-    let input = entries(jacobian(graph, &chosen.residual, |s| match s {
-        Symbol::Input(k, order @ 0..=2) => Some(3 * k as usize + usize::from(order)),
-        _ => None,
-    }));
+    let input = by_inputs(graph, &chosen.residual);
     let of_time = time::of_time(graph, &chosen.residual, &switches);
     let mut magnitudes = magnitude::Magnitudes::default();
     let magnitudes = chosen.residual.iter().map(|f| magnitudes.of(graph, *f)).collect();
@@ -284,8 +262,7 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let switch_pairs = arguments.iter().zip(&switch_rates).flat_map(|(a, r)| [*a, *r]).collect();
     let events = model.events.iter().flat_map(|e| [e.when, e.condition.unwrap_or(Id::ONE)]).collect();
     let functions: Vec<Id> = model.events.iter().map(|e| e.when).collect();
-    let differentiable = !constraints.is_empty() && !graph.symbols(chosen.residual.iter().copied()).iter().any(sharp);
-    let event_rates: Vec<Rate> = functions.iter().map(|g| rate_of(graph, *g, differentiable)).collect();
+    let event_rates = event_rates(graph, &functions, &chosen.residual, !constraints.is_empty());
     if !event_rates.iter().any(|rate| matches!(rate, Rate::Held(_))) {
         constraints.held_rates.clear();
     }
@@ -322,37 +299,13 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
         &switches,
         &cyclic,
     );
-    // States of first order move with the speeds: places and speeds are not moved in turn.
-    let in_turn = model.states.is_empty();
-    let structure = Structure {
-        directions,
-        parts,
-        separable: structure.separable && in_turn,
-        uniformly_accelerated: structure.uniformly_accelerated && in_turn,
-        conservative: structure.conservative && n > model.states.len(),
-        ..structure
-    };
+    let structure = Structure { directions, parts, ..structure.with_states(model.states.len(), n) };
     let structure = match &eliminated {
         Some(eliminated) => structure.without_masses(graph, &eliminated.least.1, &accelerations),
         None => structure,
     };
-    let count = |roots: Vec<Id>| operations(graph, &roots);
-    let values = |entries: &[Entry]| entries.iter().map(|e| e.2).collect::<Vec<_>>();
-    let of_motion = match unformed {
-        true => chosen.residual.clone(),
-        false => [values(&chosen.mass), chosen.bias.clone()].concat(),
-    };
-    let residual_operations = count(chosen.residual.clone());
-    let counts = Counts {
-        mass: count(values(&chosen.mass)),
-        bias: count(chosen.bias.clone()),
-        mass_and_bias: count([values(&chosen.mass), chosen.bias.clone()].concat()),
-        accelerations: accelerations.operations(graph, n, &chosen.mass, &chosen.bias)
-            + count(read_signals(graph, &signals, of_motion.into_iter())),
-        residual: residual_operations,
-        jacobians: jacobian_operations(graph, &chosen.residual, &stiffness, &damping),
-    };
-    let counts = if unformed { counts.by_slopes(n) } else { counts };
+    let motion = (&chosen, &accelerations);
+    let counts = Counts::of(graph, n, motion, (&stiffness, &damping), &signals, unformed);
     let momentum = momentum::systems(&mut model, momentum, &named_reactions);
     let mut program = Program {
         report,
@@ -505,6 +458,26 @@ impl Program {
             choice: String::new(),
         }
     }
+}
+
+/// q'' = −M⁻¹h by factors of M, from the h that is chosen and from those of these derivations.
+fn by_factors(graph: &mut Graph, n: usize, chosen: &Chosen, equations: &[Equations]) -> Accelerations {
+    let derived: Vec<Vec<Id>> = equations.iter().map(|derivation| derivation.bias.clone()).collect();
+    factor::accelerations(graph, n, &chosen.mass, &chosen.bias, &derived)
+}
+
+/// ∂F/∂(u, u', u'').
+fn by_inputs(graph: &mut Graph, residual: &[Id]) -> Vec<Entry> {
+    entries(jacobian(graph, residual, |s| match s {
+        Symbol::Input(k, order @ 0..=2) => Some(3 * k as usize + usize::from(order)),
+        _ => None,
+    }))
+}
+
+/// The rates of events' functions.
+fn event_rates(graph: &mut Graph, functions: &[Id], residual: &[Id], constrained: bool) -> Vec<Rate> {
+    let differentiable = constrained && !graph.symbols(residual.iter().copied()).iter().any(sharp);
+    functions.iter().map(|g| rate_of(graph, *g, differentiable)).collect()
 }
 
 /// The total time derivative; with what the constraints determine held where the equations of motion can be differentiated.

@@ -39,6 +39,17 @@ pub struct Structure {
 }
 
 impl Structure {
+    /// With so many states among the coordinates: states of first order move with the speeds, and places and speeds are not moved in turn.
+    pub(super) fn with_states(self, states: usize, n: usize) -> Structure {
+        let in_turn = states == 0;
+        Structure {
+            separable: self.separable && in_turn,
+            uniformly_accelerated: self.uniformly_accelerated && in_turn,
+            conservative: self.conservative && n > states,
+            ..self
+        }
+    }
+
     /// Where M is not formed, since it is large and changes along a run: what its own forms say of it.
     pub(super) fn without_masses(self, graph: &Graph, forms: &Forms, accelerations: &Accelerations) -> Structure {
         let varying = varying(graph);
