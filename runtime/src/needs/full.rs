@@ -68,16 +68,88 @@ pub(super) const MOST_GROWTH: f64 = 1e4;
 /// Coordinates beyond this many are not tried.
 pub(super) const MOST_COORDINATES: usize = 24;
 
+/// The runs of the full model with which reductions are compared.
+struct References {
+    /// What the scene takes at its own tolerance.
+    operations: f64,
+    motion: Motion,
+    exact: Motion,
+    times: usize,
+    instants: Arc<[f64]>,
+}
+
+impl References {
+    fn of(
+        system: &dyn System,
+        settings: &Settings,
+        wanted: &[String],
+        tolerance: f64,
+    ) -> Result<References, NeedsError> {
+        let run = |tolerance: f64, times: usize, instants: &Arc<[f64]>| {
+            let motion = Motion::of((system, settings), (tolerance, times), (wanted, instants));
+            motion.map_err(|why| NeedsError::Fails { why })
+        };
+        let none = Arc::from([]);
+        let own = run(settings.tolerance, TIMES, &none)?;
+        let dense = simulate(
+            &mut *system.boxed_clone(),
+            &Settings { tolerance, max_steps: MOST_STEPS, watch: false, ..settings.clone() },
+        );
+        let dense = dense.map_err(|error| NeedsError::Fails { why: error.to_string() })?;
+        let times = dense_enough(dense.work.steps);
+        let instants: Arc<[f64]> = dense.instants(times).into();
+        let (motion, mut exact) = (run(tolerance, times, &instants)?, run(0.1 * tolerance, times, &instants)?);
+        for (spread, extremes) in exact.spreads.iter_mut().zip(dense.extremes_of(wanted)) {
+            *spread = extremes.map_or(*spread, |(low, high)| (high - low, low.abs().max(high.abs())));
+        }
+        Ok(References { operations: own.operations, motion, exact, times, instants })
+    }
+
+    /// The range of each wanted quantity; where everything is wanted, of each that moves, and the others are left out.
+    ///
+    /// # Errors
+    /// A quantity that is wanted by name, and stands still.
+    fn scales(&mut self, need: &mut Need, everything: bool) -> Result<Vec<f64>, NeedsError> {
+        let mut scales = self.exact.scales(&self.motion);
+        for (name, amount) in &need.absolute {
+            let places = need.outputs.iter().zip(&mut scales).filter(|(wanted, _)| *wanted == name);
+            places.for_each(|(_, scale)| *scale = Some(amount / need.within));
+        }
+        if everything {
+            // Where everything is wanted nothing is to be lost of what stands still.
+            let moves: Vec<bool> = scales.iter().map(Option::is_some).collect();
+            let mut kept = moves.iter();
+            need.outputs.retain(|_| *kept.next().unwrap_or(&true));
+            let References { motion, exact, .. } = self;
+            for values in [&mut motion.values, &mut exact.values, &mut motion.looks, &mut exact.looks] {
+                let mut kept = moves.iter();
+                values.retain(|_| *kept.next().unwrap_or(&true));
+            }
+            scales.retain(Option::is_some);
+        }
+        if let Some(still) = scales.iter().position(Option::is_none) {
+            return Err(NeedsError::Still { name: need.outputs[still].clone() });
+        }
+        Ok(scales.into_iter().flatten().collect())
+    }
+}
+
+/// Refuses accuracies that cannot be asked for.
+fn possible(need: &Need) -> Result<(), NeedsError> {
+    let amount = need.absolute.iter().find(|(_, amount)| !(*amount > 0.0 && amount.is_finite()));
+    if let Some((_, within)) = amount {
+        return Err(NeedsError::BadNeed { within: *within });
+    }
+    if !(1e-9..=0.5).contains(&need.within) {
+        return Err(NeedsError::BadNeed { within: need.within });
+    }
+    Ok(())
+}
+
 impl Full {
     pub fn run(request: &NeedsRequest, need: Need, interruption: &Interruption) -> Result<Full, NeedsError> {
-        let amount = need.absolute.iter().find(|(_, amount)| !(*amount > 0.0 && amount.is_finite()));
-        if let Some((_, within)) = amount {
-            return Err(NeedsError::BadNeed { within: *within });
-        }
-        if !(1e-9..=0.5).contains(&need.within) {
-            return Err(NeedsError::BadNeed { within: need.within });
-        }
         let NeedsRequest { sizes, scene, folder, .. } = request;
+        possible(&need)?;
         // The smaller file is one of these sizes.
         let source = &with_sizes(&request.source, sizes);
         let compiled = compile_in(folder.as_deref(), source, sizes);
@@ -99,44 +171,9 @@ impl Full {
         need.absolute = amounts(&*system, &need.absolute)?;
         need.outputs = columns(&*system, &need.outputs)?;
         let tolerance = (BELOW * need.within).min(TIGHT);
-        let wanted = need.outputs.clone();
-        let run = |tolerance: f64, times: usize, instants: &Arc<[f64]>| {
-            let motion = Motion::of((&*system, &settings), (tolerance, times), (&wanted, instants));
-            motion.map_err(|why| NeedsError::Fails { why })
-        };
-        let none = Arc::from([]);
-        let own = run(settings.tolerance, TIMES, &none)?;
-        let dense = simulate(
-            &mut *system.boxed_clone(),
-            &Settings { tolerance, max_steps: MOST_STEPS, watch: false, ..settings.clone() },
-        );
-        let dense = dense.map_err(|error| NeedsError::Fails { why: error.to_string() })?;
-        let times = dense_enough(dense.work.steps);
-        let instants: Arc<[f64]> = dense.instants(times).into();
-        let (mut motion, mut exact) = (run(tolerance, times, &instants)?, run(0.1 * tolerance, times, &instants)?);
-        for (spread, extremes) in exact.spreads.iter_mut().zip(dense.extremes_of(&wanted)) {
-            *spread = extremes.map_or(*spread, |(low, high)| (high - low, low.abs().max(high.abs())));
-        }
-        let mut scales = exact.scales(&motion);
-        for (name, amount) in &need.absolute {
-            let places = need.outputs.iter().zip(&mut scales).filter(|(wanted, _)| *wanted == name);
-            places.for_each(|(_, scale)| *scale = Some(amount / need.within));
-        }
-        if everything {
-            // Where everything is wanted nothing is to be lost of what stands still.
-            let moves: Vec<bool> = scales.iter().map(Option::is_some).collect();
-            let mut kept = moves.iter();
-            need.outputs.retain(|_| *kept.next().unwrap_or(&true));
-            for values in [&mut motion.values, &mut exact.values, &mut motion.looks, &mut exact.looks] {
-                let mut kept = moves.iter();
-                values.retain(|_| *kept.next().unwrap_or(&true));
-            }
-            scales.retain(Option::is_some);
-        }
-        if let Some(still) = scales.iter().position(Option::is_none) {
-            return Err(NeedsError::Still { name: need.outputs[still].clone() });
-        }
-        let scales: Vec<f64> = scales.into_iter().flatten().collect();
+        let mut runs = References::of(&*system, &settings, &need.outputs, tolerance)?;
+        let scales = runs.scales(&mut need, everything)?;
+        let References { operations, motion, exact, times, instants } = runs;
         let mut full = Full {
             source: source.clone(),
             sizes: sizes.clone(),
@@ -158,18 +195,24 @@ impl Full {
             growth: 0.0,
             promised_until: None,
             rest: None,
-            operations: own.operations,
+            operations,
         };
-        let known = between(&full.exact, &full.motion, full.measure());
-        let (known, _) =
-            known.map_err(|what| NeedsError::Fails { why: format!("in another run, more exact, {what}") })?;
-        full.known = known.largest;
-        if full.known > KNOWN * full.need.within {
-            return Err(NeedsError::NotKnown { known: full.known, within: full.need.within });
-        }
+        full.estimate_error()?;
         full.grow();
         full.rest = resting(&full);
         Ok(full)
+    }
+
+    /// Finds how well the motion is known: another run, more exact, agrees with it.
+    fn estimate_error(&mut self) -> Result<(), NeedsError> {
+        let known = between(&self.exact, &self.motion, self.measure());
+        let (known, _) =
+            known.map_err(|what| NeedsError::Fails { why: format!("in another run, more exact, {what}") })?;
+        self.known = known.largest;
+        if self.known > KNOWN * self.need.within {
+            return Err(NeedsError::NotKnown { known: self.known, within: self.need.within });
+        }
+        Ok(())
     }
 
     /// Whether an ingredient is a coordinate on which nothing wanted depends.
