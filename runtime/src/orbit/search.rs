@@ -37,6 +37,14 @@ pub struct OrbitSearch {
     motion: Option<(usize, Closes)>,
 }
 
+/// Where a search begins at a mode.
+struct ModeStart {
+    /// The energy of the equilibrium, J; 0 without a mode.
+    rest_energy: f64,
+    /// A guess of the period, s: the user's, or the mode's.
+    period: Option<f64>,
+}
+
 impl<S: System + 'static> Simulation<S> {
     /// Begins a search for a motion near this run that repeats itself.
     ///
@@ -189,40 +197,11 @@ impl OrbitSearch {
             Ok((system, ..)) => self.closing(system.description())?,
             Err(_) => Closing::default(),
         };
-        let (mut system, mut settings, origin) = std::mem::replace(&mut self.described, Err(NoOrbit::Rest.into()))?;
-        if system.description().has_states() {
-            return Err(NoOrbit::States.into());
-        }
-        if !system.sampling().is_empty() {
-            return Err(NoOrbit::Memory.into());
-        }
-        if !origin.tolerance {
-            settings.tolerance = settings.tolerance.min(TOLERANCE);
-        }
-        if let Some((place, closes)) = &self.motion {
-            let numbers = system.motion_numbers(*place);
-            self.period = self.period.or(closes.period.then_some(numbers.period));
-            self.energy = self.energy.or(closes.energy.then_some(numbers.energy));
-        }
-        settings = Settings { every: None, digits: false, apart: false, ..settings };
-        if self.rest {
-            let start = [settings.q.clone(), vec![0.0; settings.q.len()]].concat();
-            guess::begin_at(&mut settings, start);
-        }
+        let (mut system, mut settings) = self.start()?;
         // Where nothing is known of time the mechanism was written by hand, or time acts otherwise than by sines.
         let timed = system.frequencies().is_none_or(|list| !list.is_empty());
         let drive = if timed { Drive::of(&*system, self.period)? } else { Drive::None };
-        let (mut rest_energy, mut period) = (0.0, self.period);
-        if let Some(mode) = self.mode {
-            let (y, time, energy) = guess::mode(&*system, &settings.q, mode, self.energy)?;
-            guess::begin_at(&mut settings, y);
-            if has_dependent_coordinates(&*system) {
-                // Brought to the constraints.
-                let n = system.len();
-                (settings.held_q, settings.held_v, settings.guessed) = (vec![false; n], vec![false; n], true);
-            }
-            (rest_energy, period) = (energy, period.or(Some(time)));
-        }
+        let ModeStart { rest_energy, mut period } = self.begin_at_mode(&*system, &mut settings)?;
         let time = match (closing.by, timed) {
             (By::After { .. }, _) => Time::Event,
             (By::Part(_), true) => Time::Driven,
@@ -242,11 +221,7 @@ impl OrbitSearch {
         }
         let known = may_close(&mut *system, &settings, (&closing, &run), if timed { lap } else { 0.0 })?;
         let acts = run.junctions.iter().any(|junction| !junction.events.is_empty());
-        let legs = match closing.by {
-            By::After { count, .. } => count,
-            By::Part(_) if acts => 1,
-            By::Part(part) => self.legs.unwrap_or((LEGS / part).max(2)),
-        };
+        let legs = self.pieces(closing.by, acts);
         let given = closing != Closing::period(system.description());
         let energy = self.energy.map(|energy| energy + rest_energy);
         let momenta = if acts { Vec::new() } else { momenta(&mut *system, &settings, (&closing, &run), known) };
@@ -271,16 +246,55 @@ impl OrbitSearch {
             return Err(NoOrbit::NoEnergy.into());
         }
         let point = if laps.time == Time::Event { laps.in_turn(&run)? } else { laps.along(&run, lap)? };
-        Ok(Begun {
-            laps,
-            point,
-            given,
-            acts,
-            rest_energy,
-            repeats: 1,
-            chosen: self.legs.is_some(),
-            elsewhere: Vec::new(),
-        })
+        let chosen = self.legs.is_some();
+        Ok(Begun { laps, point, given, acts, rest_energy, repeats: 1, chosen, elsewhere: Vec::new() })
+    }
+
+    /// The mechanism, and how its runs are computed; with the period and the energy that the file says of the motion.
+    fn start(&mut self) -> Result<(Box<dyn System>, Settings), Error> {
+        let (system, mut settings, origin) = std::mem::replace(&mut self.described, Err(NoOrbit::Rest.into()))?;
+        if system.description().has_states() {
+            return Err(NoOrbit::States.into());
+        }
+        if !system.sampling().is_empty() {
+            return Err(NoOrbit::Memory.into());
+        }
+        if !origin.tolerance {
+            settings.tolerance = settings.tolerance.min(TOLERANCE);
+        }
+        if let Some((place, closes)) = &self.motion {
+            let numbers = system.motion_numbers(*place);
+            self.period = self.period.or(closes.period.then_some(numbers.period));
+            self.energy = self.energy.or(closes.energy.then_some(numbers.energy));
+        }
+        settings = Settings { every: None, digits: false, apart: false, ..settings };
+        if self.rest {
+            let start = [settings.q.clone(), vec![0.0; settings.q.len()]].concat();
+            guess::begin_at(&mut settings, start);
+        }
+        Ok((system, settings))
+    }
+
+    /// Begins at a mode, where one is asked for.
+    fn begin_at_mode(&self, system: &dyn System, settings: &mut Settings) -> Result<ModeStart, Error> {
+        let Some(mode) = self.mode else { return Ok(ModeStart { rest_energy: 0.0, period: self.period }) };
+        let (y, time, rest_energy) = guess::mode(system, &settings.q, mode, self.energy)?;
+        guess::begin_at(settings, y);
+        if has_dependent_coordinates(system) {
+            // Brought to the constraints.
+            let n = system.len();
+            (settings.held_q, settings.held_v, settings.guessed) = (vec![false; n], vec![false; n], true);
+        }
+        Ok(ModeStart { rest_energy, period: self.period.or(Some(time)) })
+    }
+
+    /// Into how many pieces the map is cut.
+    fn pieces(&self, by: By, acts: bool) -> usize {
+        match by {
+            By::After { count, .. } => count,
+            By::Part(_) if acts => 1,
+            By::Part(part) => self.legs.unwrap_or((LEGS / part).max(2)),
+        }
     }
 
     /// How the motion is to close.

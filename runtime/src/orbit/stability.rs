@@ -8,7 +8,7 @@ use super::laps::{Laps, Time, Trial};
 use super::multipliers::{Polar, multipliers};
 use super::structure::{self, Known};
 use crate::matrix::svd;
-use crate::vary::{TOLD, put};
+use crate::vary::{Leg, TOLD, put};
 
 /// A direction has an image at all where the map leaves this part of it.
 const LEAVES: f64 = 1e-6;
@@ -48,28 +48,20 @@ struct Place {
     generators: Vec<Known>,
 }
 
-/// The multipliers of all laps together.
-pub(super) fn spectrum(laps: &mut Laps, trial: &Trial) -> Spectrum {
-    let width = 2 * laps.n();
-    let count = trial.pieces.len();
-    let shifts = {
-        let sides: Vec<_> = trial.pieces.iter().map(|piece| piece.start.clone()).collect();
-        structure::shifts(&*laps.system, &sides)
-    };
-    // A momentum along an edge that turns is conserved where the motion starts, and nowhere else.
-    let mut conserved = shifts.clone();
-    for piece in &trial.pieces {
+impl Place {
+    /// At the start of a piece, of a mechanism that conserves momenta along some of its shifts.
+    fn of(
+        laps: &mut Laps,
+        piece: &Leg,
+        shifts: &[(String, DVector<f64>)],
+        conserved: &[(String, DVector<f64>)],
+    ) -> Place {
+        let width = 2 * laps.n();
         put(&mut *laps.system, &piece.start);
-        conserved = structure::conserving(&*laps.system, &piece.start, conserved);
-    }
-    let timed = matches!(laps.time, Time::Driven);
-    let mut places: Vec<Place> = Vec::with_capacity(count);
-    for piece in &trial.pieces {
-        put(&mut *laps.system, &piece.start);
-        let gradients = structure::gradients(&*laps.system, &piece.start, &conserved);
+        let gradients = structure::gradients(&*laps.system, &piece.start, conserved);
         let known = (piece.start_rate.as_slice(), gradients.as_slice());
-        let mut generators = structure::generators(&*laps.system, &piece.start, known, &shifts);
-        if timed {
+        let mut generators = structure::generators(&*laps.system, &piece.start, known, shifts);
+        if matches!(laps.time, Time::Driven) {
             generators.remove(0);
         }
         let scaled = |known: Known, inverse: bool| {
@@ -86,54 +78,58 @@ pub(super) fn spectrum(laps: &mut Laps, trial: &Trial) -> Spectrum {
                 DVector::from_iterator(width, parts)
             })
             .collect();
-        places.push(Place {
+        Place {
             tangent: structure::basis_within(&alike(columns), width, structure::CONTAINED),
             gradients: gradients.into_iter().map(|known| scaled(known, true)).collect(),
             generators: generators.into_iter().map(|known| scaled(known, false)).collect(),
-        });
+        }
     }
-    let maps: Vec<DMatrix<f64>> = (0..count).map(|k| map(laps, trial, k)).collect();
-    let ended = matches!(laps.closing.by, By::After { .. });
-    let tolerance = laps.settings.tolerance;
-    let (mut bases, mut known) = (Vec::with_capacity(count), Vec::new());
-    let held = |gradient: bool, name: usize| {
-        (0..count).all(|k| {
-            let list = |place: usize| {
-                if gradient { &places[place].gradients[name] } else { &places[place].generators[name] }
-            };
-            let within = |map: &DMatrix<f64>, from: &DMatrix<f64>, to: &DMatrix<f64>| to.transpose() * map * from;
-            let (from, to) = (&places[k].tangent, &places[(k + 1) % count].tangent);
-            let inside = |known: &Known, basis: &DMatrix<f64>| Known {
-                name: known.name.clone(),
-                direction: basis.transpose() * &known.direction,
-            };
-            let (before, behind) = (inside(list(k), from), inside(list((k + 1) % count), to));
-            let map = within(&maps[k], from, to);
-            structure::holds(&map, &before, &behind, gradient)
-                || !gradient
-                    && ended
-                    && (&map * &before.direction).norm() <= LEAVES * map.norm() * before.direction.norm()
-        })
-    };
-    let gradients: Vec<usize> = (0..places[0].gradients.len()).filter(|name| held(true, *name)).collect();
-    let generators: Vec<usize> = (0..places[0].generators.len()).filter(|name| held(false, *name)).collect();
-    for (k, place) in places.iter().enumerate() {
+
+    /// A gradient or a generator of this number.
+    fn known(&self, gradient: bool, name: usize) -> &Known {
+        if gradient { &self.gradients[name] } else { &self.generators[name] }
+    }
+
+    /// An orthonormal basis of all directions but those of these gradients and generators.
+    fn others(&self, gradients: &[usize], generators: &[usize]) -> DMatrix<f64> {
+        let width = self.tangent.nrows();
         let of = |list: &[Known], names: &[usize]| -> Vec<DVector<f64>> {
             names.iter().map(|name| list[*name].direction.clone()).collect()
         };
-        let left: Vec<DVector<f64>> = of(&place.gradients, &gradients)
+        let left: Vec<DVector<f64>> = of(&self.gradients, gradients)
             .into_iter()
-            .map(|direction| &place.tangent * (place.tangent.transpose() * direction))
+            .map(|direction| &self.tangent * (self.tangent.transpose() * direction))
             .collect();
         let left = structure::basis(&left, width);
-        let right = structure::basis(&of(&place.generators, &generators), width);
-        let within = structure::complement(&place.tangent, &left);
+        let right = structure::basis(&of(&self.generators, generators), width);
+        let within = structure::complement(&self.tangent, &left);
         let inside = structure::complement(&right, &left);
-        bases.push(structure::complement(&within, &inside));
-        if k == 0 {
-            known = names(place, &gradients, &generators);
-        }
+        structure::complement(&within, &inside)
     }
+}
+
+/// The multipliers of all laps together.
+pub(super) fn spectrum(laps: &mut Laps, trial: &Trial) -> Spectrum {
+    let count = trial.pieces.len();
+    let shifts = {
+        let sides: Vec<_> = trial.pieces.iter().map(|piece| piece.start.clone()).collect();
+        structure::shifts(&*laps.system, &sides)
+    };
+    // A momentum along an edge that turns is conserved where the motion starts, and nowhere else.
+    let mut conserved = shifts.clone();
+    for piece in &trial.pieces {
+        put(&mut *laps.system, &piece.start);
+        conserved = structure::conserving(&*laps.system, &piece.start, conserved);
+    }
+    let places: Vec<Place> = trial.pieces.iter().map(|piece| Place::of(laps, piece, &shifts, &conserved)).collect();
+    let maps: Vec<DMatrix<f64>> = (0..count).map(|k| map(laps, trial, k)).collect();
+    let ended = matches!(laps.closing.by, By::After { .. });
+    let tolerance = laps.settings.tolerance;
+    let held = |gradient: bool, name: &usize| is_held(&places, &maps, (gradient, *name), ended);
+    let gradients: Vec<usize> = (0..places[0].gradients.len()).filter(|name| held(true, name)).collect();
+    let generators: Vec<usize> = (0..places[0].generators.len()).filter(|name| held(false, name)).collect();
+    let mut bases: Vec<DMatrix<f64>> = places.iter().map(|place| place.others(&gradients, &generators)).collect();
+    let known = names(&places[0], &gradients, &generators);
     let factors = factors(&maps, &bases);
     let stretches: Vec<f64> = maps.iter().map(|map| stretches(map).map_or(map.norm(), |found| found.max())).collect();
     let spread = stretches.iter().zip(&factors).map(|(most, factor)| most / least(factor)).fold(1.0, f64::max);
@@ -147,6 +143,23 @@ pub(super) fn spectrum(laps: &mut Laps, trial: &Trial) -> Spectrum {
     let generators = places.into_iter().map(|place| place.generators).collect();
     let basis = bases.swap_remove(0);
     Spectrum { multipliers, known, lost, generators, basis, spread, stretch, tolerance, pieces: count }
+}
+
+/// Whether the map of every piece takes a gradient or a generator to that of the next one, or, where an event ends the motion, takes a
+/// generator to next to nothing.
+fn is_held(places: &[Place], maps: &[DMatrix<f64>], (gradient, name): (bool, usize), ended: bool) -> bool {
+    let inside = |known: &Known, basis: &DMatrix<f64>| Known {
+        name: known.name.clone(),
+        direction: basis.transpose() * &known.direction,
+    };
+    (0..places.len()).all(|k| {
+        let (place, next) = (&places[k], &places[(k + 1) % places.len()]);
+        let before = inside(place.known(gradient, name), &place.tangent);
+        let behind = inside(next.known(gradient, name), &next.tangent);
+        let map = next.tangent.transpose() * &maps[k] * &place.tangent;
+        structure::holds(&map, &before, &behind, gradient)
+            || !gradient && ended && (&map * &before.direction).norm() <= LEAVES * map.norm() * before.direction.norm()
+    })
 }
 
 /// The same with 1 as the largest length: what is none but for rounding stays so.
