@@ -224,16 +224,7 @@ impl Continuation {
         let n = start.q.len();
         let mut been: Vec<f64> = start.q.iter().map(|q| q.abs()).collect();
         let mut reach = been.clone();
-        let mut along = vec![0.0; n + 1];
-        along[n] = direction;
-        let mut tangent = self.tangent(start, &along, &self.units(&reach)).unwrap_or(along);
-        for (reach, slope) in reach.iter_mut().zip(&tangent) {
-            // What the coordinate is going to do belongs to its size.
-            let whole = slope.abs() / tangent[n].abs().max(1e-9) * self.width();
-            *reach = reach.max(whole);
-        }
-        let mut units = self.units(&reach);
-        tangent = self.tangent(start, &tangent, &units).unwrap_or(tangent);
+        let (mut tangent, mut units) = self.first_tangent(start, direction, &mut reach);
         let first = (tangent.clone(), units.clone());
         let mut path =
             Path { points: vec![start.clone()], turning_points: Vec::new(), end: End::Lost, before: Vec::new() };
@@ -255,26 +246,19 @@ impl Continuation {
                 path.end = End::Closed;
             }
             if !(self.range.0..=self.range.1).contains(&next.value) {
-                let bound = if next.value > self.range.1 { self.range.1 } else { self.range.0 };
-                let part =
-                    if next.value == here.value { 0.0 } else { (bound - here.value) / (next.value - here.value) };
-                let guess: Vec<f64> = here.q.iter().zip(&next.q).map(|(a, b)| a + part * (b - a)).collect();
-                let Some(q) = self.at(bound, &guess) else {
+                let Some(last) = self.at_bound(here, &next) else {
                     step *= 0.5;
                     if step < SHORTEST {
                         return path;
                     }
                     continue;
                 };
-                path.points.push(State { q, value: bound });
+                path.points.push(last);
                 path.end = End::Range;
                 return path;
             }
-            if tangent[n] * next_tangent[n] < 0.0
-                && let Some(at) = self.fold(here, &next, tangent[n], &units)
-            {
-                let mirrored = self.is_bifurcation(&at, tangent[n], &units);
-                let at = if mirrored { self.standstill(here, &next, tangent[n]).unwrap_or(at) } else { at };
+            let turns = tangent[n] * next_tangent[n] < 0.0;
+            if let Some((at, mirrored)) = turns.then(|| self.turning_point(here, &next, tangent[n], &units)).flatten() {
                 path.turning_points.push(TurningPoint { at, index: path.points.len(), mirrored });
             }
             for most in [&mut reach, &mut been] {
@@ -283,13 +267,7 @@ impl Continuation {
             units = self.units(&self.extents(&next, &next_tangent, [&reach, &been]));
             path.points.push(next);
             if let Some((value, coordinate)) = self.pole(&path.points, &first.1) {
-                path.end = End::Pole { value, coordinate };
-                // Where the parameter stands still beside it, what seems to change is rounding.
-                let near = |state: &State| (state.value - value).abs() <= STANDS_STILL * self.width();
-                let all = path.points.len();
-                let left = all - path.points[1..].iter().rev().take_while(|state| near(state)).count();
-                path.points.truncate(left);
-                path.turning_points.retain(|turn| turn.index < left);
+                self.end_at_pole(&mut path, value, coordinate);
             }
             if !matches!(path.end, End::Lost) {
                 return path;
@@ -300,6 +278,47 @@ impl Continuation {
             step = (1.5 * step).min(LONGEST);
         }
         path
+    }
+
+    /// The tangent with which a path leaves its start, and the units in which it is measured there; how far each coordinate is going to go
+    /// belongs to its `reach`.
+    fn first_tangent(&self, start: &State, direction: f64, reach: &mut [f64]) -> (Vec<f64>, Vec<f64>) {
+        let n = start.q.len();
+        let mut along = vec![0.0; n + 1];
+        along[n] = direction;
+        let tangent = self.tangent(start, &along, &self.units(reach)).unwrap_or(along);
+        for (reach, slope) in reach.iter_mut().zip(&tangent) {
+            let whole = slope.abs() / tangent[n].abs().max(1e-9) * self.width();
+            *reach = reach.max(whole);
+        }
+        let units = self.units(reach);
+        (self.tangent(start, &tangent, &units).unwrap_or(tangent), units)
+    }
+
+    /// The state on the bound of the range of the parameter that a step leaves.
+    fn at_bound(&self, here: &State, next: &State) -> Option<State> {
+        let bound = if next.value > self.range.1 { self.range.1 } else { self.range.0 };
+        let part = if next.value == here.value { 0.0 } else { (bound - here.value) / (next.value - here.value) };
+        let guess: Vec<f64> = here.q.iter().zip(&next.q).map(|(a, b)| a + part * (b - a)).collect();
+        self.at(bound, &guess).map(|q| State { q, value: bound })
+    }
+
+    /// Where the parameter turns back between two states, and whether that is a bifurcation of a mirrored path.
+    fn turning_point(&self, here: &State, next: &State, slope: f64, units: &[f64]) -> Option<(State, bool)> {
+        let at = self.fold(here, next, slope, units)?;
+        let mirrored = self.is_bifurcation(&at, slope, units);
+        let at = if mirrored { self.standstill(here, next, slope).unwrap_or(at) } else { at };
+        Some((at, mirrored))
+    }
+
+    /// Ends a path at a pole, before the states beside it: where the parameter stands still, what seems to change is rounding.
+    fn end_at_pole(&self, path: &mut Path, value: f64, coordinate: usize) {
+        path.end = End::Pole { value, coordinate };
+        let near = |state: &State| (state.value - value).abs() <= STANDS_STILL * self.width();
+        let all = path.points.len();
+        let left = all - path.points[1..].iter().rev().take_while(|state| near(state)).count();
+        path.points.truncate(left);
+        path.turning_points.retain(|turn| turn.index < left);
     }
 
     /// How large each coordinate is: what it is, or what it goes through over the whole range at its present slope, at most its reach; at

@@ -49,16 +49,10 @@ pub fn complex_modes(linear: &Linearised) -> Result<ComplexModes, LinearError> {
     let factor = cholesky(&mass).map_err(|index| linear.singular(index))?;
     let units = Units { k: in_units(&factor, &linear.k()), c: in_units(&factor, &linear.c()), factor };
     let rate = units.rate();
-    let first_order = DMatrix::from_fn(2 * n, 2 * n, |i, j| match (i < n, j < n) {
-        (true, true) => 0.0,
-        (true, false) => f64::from(u8::from(i + n == j)) * rate,
-        (false, true) => -units.k[(i - n, j)] / rate,
-        (false, false) => -units.c[(i - n, j - n)],
-    });
-    let failed = LinearError::NoConvergence { what: "the eigenvalue iteration" };
+    let first_order = units.matrix(rate);
     let solved = match decoupled(linear)? {
         Some(by_mode) => units.first_order(&by_mode, rate),
-        None => Eigen::of(&first_order).ok_or(failed)?,
+        None => Eigen::of(&first_order).ok_or(LinearError::NoConvergence { what: "the eigenvalue iteration" })?,
     };
     let eigenvalues = solved.values;
     let norm = eigenvalues.iter().fold(0.0_f64, |most, x| most.max(x.norm()));
@@ -73,6 +67,7 @@ pub fn complex_modes(linear: &Linearised) -> Result<ComplexModes, LinearError> {
     let floor = 16.0 * n as f64 * f64::EPSILON * norm * condition(rest).min(WORST_CONDITION);
     let dissipation = Dissipation::of(linear);
 
+    let mode = |shape, what| Mode::new(shape, &linear.mass, &linear.coordinates, what);
     let mut modes: Vec<Mode> = Vec::new();
     let mut real: Vec<usize> = Vec::new();
     let mut exact = eigenvalues.clone();
@@ -87,21 +82,32 @@ pub fn complex_modes(linear: &Linearised) -> Result<ComplexModes, LinearError> {
                 Some(rate) => of_pair(Complex::new(rate, value.im), 0.0),
                 None => of_pair(value, floor),
             };
-            modes.push(Mode::new(shape, &linear.mass, &linear.coordinates, what));
+            modes.push(mode(shape, what));
         }
     }
-    real_modes(&real, &eigenvalues, &shape, &mut |shape, what| {
-        modes.push(Mode::new(shape, &linear.mass, &linear.coordinates, what));
-    });
+    real_modes(&real, &eigenvalues, &shape, &mut |shape, what| modes.push(mode(shape, what)));
     for vector in rigid.shapes.column_iter() {
         let shape = vector.iter().map(|x| Complex::new(*x, 0.0)).collect();
-        modes.push(Mode::new(
-            shape,
-            &linear.mass,
-            &linear.coordinates,
-            (0.0, None, Complex::new(0.0, 0.0), Kind::Rigid),
-        ));
+        modes.push(mode(shape, (0.0, None, Complex::new(0.0, 0.0), Kind::Rigid)));
     }
+    put_in_order(&mut modes);
+    let secular = secular::merge(&mut modes, dissipation.is_none());
+    mark_repeated(&mut modes);
+
+    let condition = if rigid.multiplicity > rigid.shapes.ncols() { f64::INFINITY } else { condition(&order) };
+    let only_gyroscopic = dissipation.is_none() && is_held_by_gyroscopic_forces(linear, &modes);
+    Ok(ComplexModes {
+        modes,
+        eigenvalues: exact,
+        condition,
+        defective: condition.is_nan() || condition >= WORST_CONDITION || !secular.is_empty(),
+        secular,
+        only_gyroscopic,
+    })
+}
+
+/// Growing modes first, the fastest leading; then rigid ones; then by rising ω.
+fn put_in_order(modes: &mut [Mode]) {
     let rank = |m: &Mode| match m.kind {
         Kind::Unstable => (0, -m.eigenvalue.re),
         Kind::Rigid => (1, 0.0),
@@ -111,24 +117,17 @@ pub fn complex_modes(linear: &Linearised) -> Result<ComplexModes, LinearError> {
         let (a, b) = (rank(a), rank(b));
         a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
     });
-    let secular = secular::merge(&mut modes, dissipation.is_none());
-    mark_repeated(&mut modes);
+}
 
-    let condition = if rigid.multiplicity > rigid.shapes.ncols() { f64::INFINITY } else { condition(&order) };
-    let conservative = dissipation.is_none() && linear.circulatory().is_zero();
-    let held = conservative && !linear.gyroscopic().is_zero() && modes.iter().all(|m| m.kind != Kind::Unstable);
-    let indefinite = || {
-        // By Sylvester's law the signs are those of the matrix of one size.
-        equilibrated(&linear.k()).0.symmetric_eigenvalues().min() < -Scaled::threshold(n, 1.0)
-    };
-    Ok(ComplexModes {
-        modes,
-        eigenvalues: exact,
-        condition,
-        defective: condition.is_nan() || condition >= WORST_CONDITION || !secular.is_empty(),
-        secular,
-        only_gyroscopic: held && n > 0 && indefinite(),
-    })
+/// Whether K alone would be unstable, and gyroscopic forces hold what nothing damps.
+fn is_held_by_gyroscopic_forces(linear: &Linearised, modes: &[Mode]) -> bool {
+    let n = linear.len();
+    let held = linear.circulatory().is_zero()
+        && !linear.gyroscopic().is_zero()
+        && modes.iter().all(|m| m.kind != Kind::Unstable);
+    // By Sylvester's law the signs are those of the matrix of one size.
+    let least = || equilibrated(&linear.k()).0.symmetric_eigenvalues().min();
+    held && n > 0 && least() < -Scaled::threshold(n, 1.0)
 }
 
 /// ω, ζ, λ and kind of a conjugate pair; `floor` is what rounding leaves of an eigenvalue that is 0.
@@ -220,6 +219,17 @@ impl Units {
         } else {
             1.0
         }
+    }
+
+    /// The matrix A of the first-order form in (y, y'/rate).
+    fn matrix(&self, rate: f64) -> DMatrix<f64> {
+        let n = self.k.nrows();
+        DMatrix::from_fn(2 * n, 2 * n, |i, j| match (i < n, j < n) {
+            (true, true) => 0.0,
+            (true, false) => f64::from(u8::from(i + n == j)) * rate,
+            (false, true) => -self.k[(i - n, j)] / rate,
+            (false, false) => -self.c[(i - n, j - n)],
+        })
     }
 
     /// Eigenvalues and eigenvectors of the first-order form from those mode by mode.
