@@ -2,7 +2,9 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::{At, Counts, Description, Energy, Gimbal, List, Scene, Signal, Singular, Structure, System, Watched};
+use super::{
+    Argument, At, Counts, Description, Energy, Gimbal, List, Part, Scene, Signal, Singular, Structure, System, Watched,
+};
 
 /// One of `description().parts` of a mechanism.
 ///
@@ -47,59 +49,9 @@ struct Room {
 impl OfPart {
     /// The part of this index, the others being held at a place of the whole; `None` if there is no such part.
     pub fn new(system: &dyn System, index: usize, place: &[f64]) -> Option<OfPart> {
-        let whole = system.description();
-        let part = whole.parts.get(index)?;
-        let coordinates: Vec<usize> = part.coordinates.iter().map(|i| *i as usize).collect();
+        let part = system.description().parts.get(index)?;
         let own = |i: u32| part.coordinates.iter().position(|known| *known == i).map(|place| place as u32);
-        let square = |list: &List<(u32, u32)>| entries(list, |(row, column)| Some((own(row)?, own(column)?)));
-        let ((mass_pattern, mass), (stiffness_pattern, stiffness)) =
-            (square(&whole.mass_pattern), square(&whole.stiffness_pattern));
-        let (damping_pattern, damping) = square(&whole.damping_pattern);
-        let (input_pattern, input) = entries(&whole.input_pattern, |(row, column)| Some((own(row)?, column)));
-        let (time_pattern, time) = entries(&whole.time_pattern, own);
-        let listed = |list: &[u32], k: u32| list.iter().position(|known| *known == k).map(|place| place as u32);
-        let argument = |place: &u32| {
-            let mut argument = whole.arguments.get(*place as usize)?.clone();
-            match &mut argument.of {
-                Watched::Argument(outer) => *outer = listed(&part.arguments, *outer)?,
-                Watched::Event(event) => *event = listed(&part.events, *event)?,
-                Watched::Motion | Watched::Switch(_) => {}
-            }
-            Some(argument)
-        };
-        let pairs = |list: &[u32]| list.iter().flat_map(|k| [2 * *k as usize, 2 * *k as usize + 1]).collect();
-        let description = Description {
-            rotations: whole.rotations.iter().filter_map(|first| own(*first)).collect(),
-            coordinates: coordinates.iter().filter_map(|i| whole.coordinates.get(*i).cloned()).collect(),
-            mass_pattern,
-            stiffness_pattern,
-            damping_pattern,
-            input_pattern,
-            time_pattern,
-            // Of which the whole is asked.
-            integrals: List::default(),
-            outputs: List::default(),
-            outputs_use_accelerations: false,
-            outputs_of_reactions: List::default(),
-            invariants: List::default(),
-            arguments: part.arguments.iter().filter_map(argument).collect(),
-            events: part.events.iter().filter_map(|k| whole.events.get(*k as usize).cloned()).collect(),
-            draw: List::default(),
-            balances: List::default(),
-            structure: Structure {
-                mass_blocks: List::default(),
-                constant_mass: whole.structure.constant_mass || part.separable,
-                separable: part.separable,
-                linear: part.linear,
-                conservative: part.conservative,
-                time_dependent: part.time_dependent,
-                cyclic: List::default(),
-                ..whole.structure.clone()
-            },
-            parts: List::default(),
-            counts: Counts { accelerations: part.accelerations, ..whole.counts },
-            ..whole.clone()
-        };
+        let (description, places) = described(system.description(), part);
         let gimbals = system.gimbals().iter().filter_map(|gimbal| {
             let [first, middle, last] = gimbal.coordinates.map(own);
             Some(Gimbal { coordinates: [first?, middle?, last?], ..gimbal.clone() })
@@ -108,19 +60,11 @@ impl OfPart {
         let n = system.len();
         Some(OfPart {
             gimbals,
-            places: Places {
-                mass,
-                stiffness,
-                damping,
-                input,
-                time,
-                arguments: pairs(&part.arguments),
-                events: pairs(&part.events),
-            },
+            places,
             events: part.events.iter().map(|k| *k as usize).collect(),
             whole: system.boxed_clone(),
             index,
-            coordinates,
+            coordinates: part.coordinates.iter().map(|i| *i as usize).collect(),
             size: n,
             description,
             room: Mutex::new(Room {
@@ -172,6 +116,64 @@ impl OfPart {
         compute(&*self.whole, At::new(at.t, q, v).accelerated(a), values);
         out.iter_mut().zip(places).for_each(|(out, place)| *out = values[*place]);
     }
+}
+
+/// The description of a part with its own numbers, and where its entries are among those of the whole; outputs, invariants and integrals
+/// are asked of the whole.
+fn described(whole: &Description, part: &Part) -> (Description, Places) {
+    let own = |i: u32| part.coordinates.iter().position(|known| *known == i).map(|place| place as u32);
+    let square = |list: &List<(u32, u32)>| entries(list, |(row, column)| Some((own(row)?, own(column)?)));
+    let (mass_pattern, mass) = square(&whole.mass_pattern);
+    let (stiffness_pattern, stiffness) = square(&whole.stiffness_pattern);
+    let (damping_pattern, damping) = square(&whole.damping_pattern);
+    let (input_pattern, input) = entries(&whole.input_pattern, |(row, column)| Some((own(row)?, column)));
+    let (time_pattern, time) = entries(&whole.time_pattern, own);
+    let pairs = |list: &[u32]| list.iter().flat_map(|k| [2 * *k as usize, 2 * *k as usize + 1]).collect();
+    let (arguments, events) = (pairs(&part.arguments), pairs(&part.events));
+    let description = Description {
+        rotations: whole.rotations.iter().filter_map(|first| own(*first)).collect(),
+        coordinates: part.coordinates.iter().filter_map(|i| whole.coordinates.get(*i as usize).cloned()).collect(),
+        mass_pattern,
+        stiffness_pattern,
+        damping_pattern,
+        input_pattern,
+        time_pattern,
+        integrals: List::default(),
+        outputs: List::default(),
+        outputs_use_accelerations: false,
+        outputs_of_reactions: List::default(),
+        invariants: List::default(),
+        arguments: part.arguments.iter().filter_map(|place| argument(whole, part, *place)).collect(),
+        events: part.events.iter().filter_map(|k| whole.events.get(*k as usize).cloned()).collect(),
+        draw: List::default(),
+        balances: List::default(),
+        structure: Structure {
+            mass_blocks: List::default(),
+            constant_mass: whole.structure.constant_mass || part.separable,
+            separable: part.separable,
+            linear: part.linear,
+            conservative: part.conservative,
+            time_dependent: part.time_dependent,
+            cyclic: List::default(),
+            ..whole.structure.clone()
+        },
+        parts: List::default(),
+        counts: Counts { accelerations: part.accelerations, ..whole.counts },
+        ..whole.clone()
+    };
+    (description, Places { mass, stiffness, damping, input, time, arguments, events })
+}
+
+/// An argument of the whole with the part's numbers of what it is inside of.
+fn argument(whole: &Description, part: &Part, place: u32) -> Option<Argument> {
+    let listed = |list: &[u32], k: u32| list.iter().position(|known| *known == k).map(|place| place as u32);
+    let mut argument = whole.arguments.get(place as usize)?.clone();
+    match &mut argument.of {
+        Watched::Argument(outer) => *outer = listed(&part.arguments, *outer)?,
+        Watched::Event(event) => *event = listed(&part.events, *event)?,
+        Watched::Motion | Watched::Switch(_) => {}
+    }
+    Some(argument)
 }
 
 /// The entries that a part has, as it numbers them, and their places among all.
