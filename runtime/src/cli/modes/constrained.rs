@@ -11,16 +11,18 @@ use serde_json::json;
 use super::super::load::Loaded;
 use super::super::set_up::Reader;
 use super::super::{Problem, json};
-use super::damping::Damping;
+#[cfg(feature = "modal")]
 use super::drive::Driven;
+#[cfg(feature = "modal")]
 use super::locus::Locus;
 use super::model::Model;
-use super::motion::Compared;
 use super::steady::Speeds;
 #[cfg(feature = "modal")]
 use super::tangent;
 use super::trim::Trim;
-use super::{Place, bodies, contacts, failed, integrals, notes, pictures, report, state_space, varying};
+use super::{FurtherAnswers, Place, bodies, failed, pictures, report, state_space};
+#[cfg(feature = "modal")]
+use super::{contacts, integrals};
 use crate::linear::{LinearError, linearise_constrained, short};
 #[cfg(feature = "modal")]
 use crate::linear::{linearise_driven, linearise_tangent, turns_as_a_whole};
@@ -99,35 +101,19 @@ pub fn run(
     };
     let mut modes = found.linear.modes().map_err(failed)?;
     bodies::name_free(loaded, &found.linear, Some(&found.motions), &mut modes)?;
-    let damping = Damping::new(&found.linear, &modes);
-    let modes = found.in_all_coordinates(&modes);
     let model = Model::Held(&found);
-    let driven = Driven::new(loaded, options, reader, model)?;
-    let locus = Locus::new(loaded, options, reader, &found.linear.equilibrium, speeds)?;
-    let motion = Compared::new(loaded, options, scene, model, damping.as_ref())?;
-    let more = driven.iter().flat_map(Driven::notes).chain(locus.iter().flat_map(Locus::notes));
-    let untried = integrals::notes(system, &found.linear.equilibrium, locus.as_ref());
-    let varying = varying::notes(system, &found.linear.equilibrium, system.scene(scene).until);
-    let touching = contacts::notes(system, &found.linear.equilibrium);
-    let told = touching.into_iter().chain(untried).chain(varying).chain(notes(&found.linear, &modes)).chain(more);
-    let told: Vec<String> = told.collect();
-    for note in &told {
-        eprintln!("warning: {note}");
-    }
+    let further = FurtherAnswers::of(loaded, options, reader, (scene, speeds), model, &modes)?;
+    let modes = found.in_all_coordinates(&modes);
     let mut written = Vec::new();
     pictures(loaded, options, &found.linear, &modes, &mut written)?;
-    let space = || state_space::of_model(loaded, options, reader, model);
-    state_space::write(&loaded.name, options, space, &mut written)?;
+    state_space::write(&loaded.name, options, || state_space::of_model(loaded, options, reader, model), &mut written)?;
     if options.get_flag("json") {
         let reactions =
             names.iter().zip(&found.multipliers).map(|(row, value)| (row.row.clone(), json::number(*value)));
         let mut more = vec![("shape_coordinates", json!(found.coordinates)), ("reactions", json::object(reactions))];
-        more.extend(damping.iter().map(Damping::as_json));
-        more.extend(motion.iter().map(Compared::as_json));
-        more.extend(driven.iter().flat_map(Driven::as_json));
-        more.extend(locus.map(|locus| locus.as_json()));
+        more.extend(further.as_json());
         more.extend(trim.iter().map(Trim::as_json));
-        more.extend((!told.is_empty()).then(|| ("warnings", json!(told))));
+        more.extend((!further.warnings.is_empty()).then(|| ("warnings", json!(further.warnings))));
         json::write(&report::as_json(&loaded.name, &found.linear, &modes, more), out)?;
         return Ok(());
     }
@@ -140,10 +126,7 @@ pub fn run(
     for (row, value) in names.iter().zip(&found.multipliers) {
         writeln!(out, "{}", row.told(if rests { "at rest" } else { "there" }, *value))?;
     }
-    damping.map_or(Ok(()), |damping| damping.table(out))?;
-    motion.map_or(Ok(()), |motion| motion.table(out))?;
-    driven.map_or(Ok(()), |driven| driven.table(model, out))?;
-    locus.map_or(Ok(()), |locus| locus.table(out))?;
+    further.table(model, out)?;
     Ok(out.write_all(&written)?)
 }
 

@@ -44,7 +44,7 @@ use locus::Locus;
 use model::Model;
 use motion::Compared;
 use nalgebra::DMatrix;
-use serde_json::json;
+use serde_json::{Value, json};
 use steady::Speeds;
 use trim::Trim;
 
@@ -84,30 +84,16 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     let linear = linearise(system, &found.map_err(failed)?).map_err(failed)?;
     let mut modes = linear.modes().map_err(failed)?;
     bodies::name_free(&loaded, &linear, None, &mut modes)?;
-    let driven = Driven::new(&loaded, options, &mut reader, Model::Free(&linear))?;
-    let locus = Locus::new(&loaded, options, &mut reader, &linear.equilibrium, &speeds)?;
-    let damping = Damping::new(&linear, &modes);
-    let motion = Compared::new(&loaded, options, scene, Model::Free(&linear), damping.as_ref())?;
-    let more = driven.iter().flat_map(Driven::notes).chain(locus.iter().flat_map(Locus::notes));
-    let untried = integrals::notes(system, &linear.equilibrium, locus.as_ref());
-    let varying = varying::notes(system, &linear.equilibrium, system.scene(scene).until);
-    let touching = contacts::notes(system, &linear.equilibrium);
-    let told = touching.into_iter().chain(untried).chain(varying).chain(notes(&linear, &modes)).chain(more);
-    let told: Vec<String> = told.collect();
-    for note in &told {
-        eprintln!("warning: {note}");
-    }
+    let model = Model::Free(&linear);
+    let further = FurtherAnswers::of(&loaded, options, &mut reader, (scene, &speeds), model, &modes)?;
     let mut written = Vec::new();
     pictures(&loaded, options, &linear, &modes, &mut written)?;
-    let space = || state_space::of_model(&loaded, options, &mut reader, Model::Free(&linear));
+    let space = || state_space::of_model(&loaded, options, &mut reader, model);
     state_space::write(&loaded.name, options, space, &mut written)?;
     if options.get_flag("json") {
-        let mut more: Vec<_> = damping.iter().map(Damping::as_json).collect();
-        more.extend(motion.iter().map(Compared::as_json));
-        more.extend(driven.iter().flat_map(Driven::as_json));
-        more.extend(locus.map(|locus| locus.as_json()));
+        let mut more = further.as_json();
         more.extend(trim.iter().map(Trim::as_json));
-        let told: Vec<&String> = told.iter().chain(&held).collect();
+        let told: Vec<&String> = further.warnings.iter().chain(&held).collect();
         more.extend((!told.is_empty()).then(|| ("warnings", json!(told))));
         super::json::write(&report::as_json(&loaded.name, &linear, &modes, more), out)?;
         return Ok(());
@@ -116,19 +102,63 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     let masses = linear.m().diagonal();
     trim.iter().try_for_each(|trim| trim.table(&loaded.name, out))?;
     report::table(&loaded.name, (&linear, masses.as_slice()), &modes, &bodies, out)?;
-    if let Some(damping) = damping {
-        damping.table(out)?;
-    }
-    if let Some(motion) = motion {
-        motion.table(out)?;
-    }
-    if let Some(driven) = driven {
-        driven.table(Model::Free(&linear), out)?;
-    }
-    if let Some(locus) = locus {
-        locus.table(out)?;
-    }
+    further.table(model, out)?;
     Ok(out.write_all(&written)?)
+}
+
+/// What is told of small motions beside their modes.
+struct FurtherAnswers {
+    damping: Option<Damping>,
+    motion: Option<Compared>,
+    driven: Option<Driven>,
+    locus: Option<Locus>,
+    /// What the numbers alone do not tell.
+    warnings: Vec<String>,
+}
+
+impl FurtherAnswers {
+    /// Of a model and its modes in independent coordinates; prints the warnings.
+    fn of(
+        loaded: &Loaded,
+        options: &ArgMatches,
+        reader: &mut Reader,
+        (scene, speeds): (usize, &Speeds),
+        model: Model<'_>,
+        modes: &[Mode],
+    ) -> Result<FurtherAnswers, Problem> {
+        let (system, linear) = (&*loaded.system, model.linear());
+        let driven = Driven::new(loaded, options, reader, model)?;
+        let locus = Locus::new(loaded, options, reader, &linear.equilibrium, speeds)?;
+        let damping = Damping::new(linear, modes);
+        let motion = Compared::new(loaded, options, scene, model, damping.as_ref())?;
+        let more = driven.iter().flat_map(Driven::notes).chain(locus.iter().flat_map(Locus::notes));
+        let untried = integrals::notes(system, &linear.equilibrium, locus.as_ref());
+        let varying = varying::notes(system, &linear.equilibrium, system.scene(scene).until);
+        let touching = contacts::notes(system, &linear.equilibrium);
+        let told = touching.into_iter().chain(untried).chain(varying).chain(notes(linear, modes)).chain(more);
+        let warnings: Vec<String> = told.collect();
+        for warning in &warnings {
+            eprintln!("warning: {warning}");
+        }
+        Ok(FurtherAnswers { damping, motion, driven, locus, warnings })
+    }
+
+    /// All but the warnings, for programs.
+    fn as_json(&self) -> Vec<(&'static str, Value)> {
+        let mut entries: Vec<_> = self.damping.iter().map(Damping::as_json).collect();
+        entries.extend(self.motion.iter().map(Compared::as_json));
+        entries.extend(self.driven.iter().flat_map(Driven::as_json));
+        entries.extend(self.locus.iter().map(Locus::as_json));
+        entries
+    }
+
+    /// For people.
+    fn table(&self, model: Model<'_>, out: &mut dyn Write) -> Result<(), Problem> {
+        self.damping.iter().try_for_each(|damping| damping.table(out))?;
+        self.motion.iter().try_for_each(|motion| motion.table(out))?;
+        self.driven.iter().try_for_each(|driven| driven.table(model, out))?;
+        self.locus.iter().try_for_each(|locus| locus.table(out))
+    }
 }
 
 /// What small motions are about, before an equilibrium is looked for.
