@@ -8,7 +8,7 @@ use dalembert_symbolic::expr::{Id, Symbol};
 use dalembert_symbolic::file;
 use dalembert_symbolic::gate::{Conservative, Nature, Origin, Report, shared_data};
 use dalembert_symbolic::lower::Program;
-use dalembert_symbolic::model::{EventAction, HIDDEN};
+use dalembert_symbolic::model::{EventAction, HIDDEN, Model};
 use dalembert_symbolic::number::DoubleDouble;
 use serde_json::Value;
 
@@ -52,18 +52,7 @@ fn one(context: Context<'_>, name: &str, options: &ArgMatches, out: &mut dyn Wri
     let text = ModelFile::named(context, name, sizes(options)?)?;
     let derived = derived_for_runs(&text.path, &text.source, &text.sizes);
     let program = derived.map_err(|problems| text.problem(&problems))?;
-    let (n, states) = (program.model.mechanical(), program.model.states.len());
-    let first_order = match states {
-        0 => String::new(),
-        1 => ", 1 state of first order".to_owned(),
-        k => format!(", {k} states of first order"),
-    };
-    let held = match program.model.memory.len() {
-        0 => String::new(),
-        1 => ", 1 held value".to_owned(),
-        k => format!(", {k} held values"),
-    };
-    writeln!(out, "{}: {n} coordinate{}{first_order}{held}", text.name, if n == 1 { "" } else { "s" })?;
+    writeln!(out, "{}: {}", text.name, size_in_words(&program.model))?;
     for state in once_stated(&program) {
         writeln!(out, "  the rate of {state} is stated once: an `equation` in `balances` may state it again")?;
     }
@@ -85,6 +74,43 @@ fn one(context: Context<'_>, name: &str, options: &ArgMatches, out: &mut dyn Wri
     unseen(&program, out)?;
     without_units(&program, out)?;
     conditions(&program, &text.source, out)?;
+    claims(&program, out)?;
+    for force in &program.report.forces {
+        writeln!(out, "  {}", nature(force, &program))?;
+    }
+    let warnings = file::render(&text.path, &text.source, &program.model.warnings);
+    match outputs::is_quiet(options) {
+        true => eprint!("{warnings}"),
+        false => write!(out, "{warnings}")?,
+    }
+    structure(&program, out)?;
+    if options.get_flag("routh") {
+        write!(out, "{}", routh::lines(&program))?;
+    }
+    if !options.get_flag("symmetries") {
+        return Ok(());
+    }
+    symmetries::of_scenes(&Loaded::named(context, name, sizes(options)?)?, &program, out)
+}
+
+/// How many coordinates, states of first order and held values a model has.
+fn size_in_words(model: &Model) -> String {
+    let n = model.mechanical();
+    let first_order = match model.states.len() {
+        0 => String::new(),
+        1 => ", 1 state of first order".to_owned(),
+        k => format!(", {k} states of first order"),
+    };
+    let held = match model.memory.len() {
+        0 => String::new(),
+        1 => ", 1 held value".to_owned(),
+        k => format!(", {k} held values"),
+    };
+    format!("{n} coordinate{}{first_order}{held}", if n == 1 { "" } else { "s" })
+}
+
+/// What is conserved, with what changes it, and what holds.
+fn claims(program: &Program, out: &mut dyn Write) -> Result<(), Problem> {
     let model = &program.model;
     for (((name, worst), events), claim) in conserved(&program.report).zip(&model.conserved) {
         let condition = model.condition(&claim.when);
@@ -107,22 +133,7 @@ fn one(context: Context<'_>, name: &str, options: &ArgMatches, out: &mut dyn Wri
     for ((name, worst), claim) in program.report.checks.iter().zip(&model.checks) {
         writeln!(out, "  check {name} holds{}, worst {worst:.1e}", model.condition(&claim.when))?;
     }
-    for force in &program.report.forces {
-        writeln!(out, "  {}", nature(force, &program))?;
-    }
-    let warnings = file::render(&text.path, &text.source, &program.model.warnings);
-    match outputs::is_quiet(options) {
-        true => eprint!("{warnings}"),
-        false => write!(out, "{warnings}")?,
-    }
-    structure(&program, out)?;
-    if options.get_flag("routh") {
-        write!(out, "{}", routh::lines(&program))?;
-    }
-    if !options.get_flag("symmetries") {
-        return Ok(());
-    }
-    symmetries::of_scenes(&Loaded::named(context, name, sizes(options)?)?, &program, out)
+    Ok(())
 }
 
 /// What is conserved, how well it held, and the events whose impacts change it.
