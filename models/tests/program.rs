@@ -80,6 +80,21 @@ fn all_files_are_checked_and_all_that_is_wrong_is_told() {
     }
 }
 
+/// With `-q` only what is doubtful is told, beside the output.
+#[test]
+fn a_quiet_check_tells_warnings_alone() {
+    let folder = folder("doubtful");
+    let doubtful = "name: Bob\nparameters: {m: 1 kg, l: 1 m}\ncoordinates: {x: rad}\n\
+                    bodies: {bob: {mass: m, position: \"[0, l*sin(x)]\"}}\nscene: {start: {x: 90}, until: 1}\n";
+    fs::write(folder.join("doubtful.yaml"), doubtful).expect("a file");
+    let (told_aloud, _, _) = told(&done(&folder, &["check", "doubtful.yaml"]));
+    let (out, error, status) = told(&done(&folder, &["check", "-q", "doubtful.yaml"]));
+    assert!(told_aloud.contains("warning[W250]") && told_aloud.contains("1 coordinate"), "{told_aloud}");
+    assert!(out.is_empty() && error.contains("warning[W250]") && status == Some(0), "{out}{error}");
+    let (out, error, status) = told(&done(&folder, &["check", "-q", "good.yaml"]));
+    assert!(out.is_empty() && error.is_empty() && status == Some(0), "{out}{error}");
+}
+
 #[test]
 fn standard_input_and_output_are_called_by_a_hyphen() {
     let folder = folder("streams");

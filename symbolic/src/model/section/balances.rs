@@ -167,13 +167,14 @@ impl<'a> Resolver<'a> {
     /// Σ (r − P) × m a + I α − moments about P.
     fn moment(&mut self, spot: &Spot<'_>, locals: &Locals, sums: &Sums<'_>) -> Option<Vec<Part>> {
         let problems = &mut self.builder.problems;
-        spot.only(&["about", "of", "along"], "a moment balance", problems);
+        let keys: &[&str] = if self.scope.dimension == 3 { &["about", "of", "along"] } else { &["about", "of"] };
+        spot.only(keys, "a moment balance", problems);
         let about = spot.need("about", "a moment balance", problems)?.written(problems)?;
         let about = self.vector(&about, Rules::position("a point").si(Dimension::LENGTH), locals)?;
         let along = self.along(spot, locals)?;
         let set = self.of(spot, locals)?;
         let parts = self.moment_of(&set, &about, sums);
-        Some(self.projected(parts, along.filter(|_| self.scope.dimension == 3)))
+        Some(self.projected(parts, along))
     }
 
     /// The same for these bodies.
