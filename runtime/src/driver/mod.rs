@@ -151,6 +151,8 @@ pub(crate) struct Integration {
     rejected_step: f64,
     /// How many steps were cut because a watched function oscillated within them.
     cuts: u32,
+    /// How long a step may be in which watched functions can be followed, s.
+    traced: f64,
     /// Whether the fixed step is no more than the longest: a shorter one is as exact, and breaks no structure.
     any_step: bool,
     /// How the fixed step was found, if it was.
@@ -201,6 +203,7 @@ impl Integration {
             rejected: Vec::with_capacity(y.len()),
             rejected_step: 0.0,
             cuts: 0,
+            traced: f64::INFINITY,
             any_step: false,
             found: None,
             passed_over: None,
@@ -426,7 +429,7 @@ impl Integration {
         let stop = self.locator.as_ref().map_or(until, |locator| locator.next_stop(until));
         let stop = self.ticks.stop(stop);
         self.smooth_until = stop;
-        let mut most = f64::INFINITY;
+        let mut most = self.traced;
         loop {
             let mut locator = self.locator.take();
             let tried = self.sound(system, (stop, most), &mut locator, recorder);
@@ -446,7 +449,8 @@ impl Integration {
                 Err(cause) if matches!(*cause, Cause::OscillatesTooFast { .. }) && self.may_cut() => {
                     self.cuts += 1;
                     self.work.retries += 1;
-                    most = 0.01 * step.h;
+                    self.traced = CUT * step.h;
+                    most = self.traced;
                 }
                 Ok(Outcome::MissedFeature(shorter)) => {
                     self.work.rejected += 1;
@@ -455,6 +459,7 @@ impl Integration {
                 outcome => {
                     self.look_for_stiffness(step, recorder);
                     let Outcome::Kept(stop_reason) = outcome? else { continue };
+                    self.traced *= LONGER;
                     self.look_at_constraints(system, recorder)?;
                     self.look_at_contacts(system)?;
                     self.choose_gain(system);
@@ -696,6 +701,9 @@ impl Integration {
 
 /// So many times in a run a step is cut because a watched function oscillates within it.
 const MOST_CUTS: u32 = 100;
+/// To this part; each one after it may be longer by this factor, until one is cut again.
+const CUT: f64 = 0.01;
+const LONGER: f64 = 1.25;
 
 /// An error that names the first number that is not finite.
 fn finite(system: &dyn System, y: &[f64], primes: usize) -> Result<(), Box<Cause>> {

@@ -188,9 +188,10 @@ impl Scanner {
         self.largest[function].max(self.size[function])
     }
 
-    /// Whether a function stayed within a `part` of the largest that it had, in the step that was scanned last.
+    /// Whether a function stayed within a `part` of the largest that it had, in the step that was scanned last: at its ends, where it may begin and end
+    /// at zero, and in its middle.
     pub fn has_not_left(&self, function: usize, part: f64) -> bool {
-        self.size[function] <= part * self.largest(function)
+        self.size[function].max(self.largest_here(function).abs()) <= part * self.largest(function)
     }
 
     /// The sides at the end of the step become those at the start of the next.

@@ -407,3 +407,18 @@ fn a_guess_of_zeros_is_given() {
         assert!((told - x).abs() <= 1e-5 * x.abs(), "{guess}: {told} for {x}");
     }
 }
+
+/// An angle that the search has left at a rounding is 0: the force on the other coordinate is what was sought.
+#[test]
+fn a_hanging_pendulum_does_not_keep_its_cart_from_being_held() {
+    let text = "name: Cart\nparameters: {M: 2 kg, m: 1 kg, l: 1 m, g: 9.81 m/s^2, k: 5 N/m}\ncoordinates: {x: m, th: rad}\ninputs: {F: 0 N}\n\
+        bodies: {cart: {mass: M, position: \"[x, 0]\"}, p: {mass: m, position: \"[x + l*sin(th), -l*cos(th)]\"}}\ngravity: [0, -g]\n\
+        springs: {s: {stretch: x, stiffness: k, along: ground.x, on: cart}}\nforces: {f: {on: cart, force: \"[F, 0]\"}}\nscene: {start: {x: 0}, until: 1}\n";
+    let path = folder("cart").join("cart.yaml");
+    std::fs::write(&path, text).expect("a file");
+    for (x, force) in [("0.1", "0.5"), ("0.2", "1"), ("0.7", "3.5")] {
+        let told = program(&["modes", path.to_str().expect("a path"), "--hold", &format!("x={x}"), "--solve", "F"])
+            .expect("modes");
+        assert!(told.contains(&format!("F = {force} N")), "{told}");
+    }
+}

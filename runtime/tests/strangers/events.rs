@@ -1,6 +1,7 @@
 //! Events early in long steps, starts on guards, accumulating impacts.
 
 use dalembert::Warning;
+use dalembert::mechanism::Method;
 
 use super::case;
 
@@ -413,4 +414,30 @@ scene: {start: {th: 0.2}, until: 1, tolerance: 1e-12}
         assert!(printed.contains(told), "{printed}");
         std::fs::remove_dir_all(folder).expect("removed");
     }
+}
+
+/// Every half swing is one step from the surface to the surface: whether the motion has left it in between, its middle tells.
+#[test]
+fn swings_that_are_one_step_each_are_no_chattering() {
+    let text = "name: Swing\ncoordinates: {x: }\nkinetic_energy: x'^2/2\ngeneralized_forces: {x: -3*sign(x)}\nscene: {start: {x: 1}, until: 300}\n";
+    // Four parts of a period, √(2/3) s each; parabolas.
+    let period = 4.0 * (2.0_f64 / 3.0).sqrt();
+    let t = 300.0 % period;
+    let side = if t < 0.25 * period || t > 0.75 * period { 1.0 } else { -1.0 };
+    let from_turn = [t, t - 0.5 * period, t - period].into_iter().fold(f64::MAX, |least, t| t.abs().min(least));
+    for method in [Method::Auto, Method::Dop853, Method::Radau5] {
+        let mut swing = case(text);
+        swing.settings.method = method;
+        let x = swing.run().last()["x"];
+        assert!((x - side * (1.0 - 1.5 * from_turn * from_turn)).abs() < 1e-6, "{method:?}: {x}");
+    }
+}
+
+/// A step as long as the run is cut where a function turns too often in it to be followed, and all after it, too.
+#[test]
+fn events_of_a_million_radians_are_followed_in_long_steps() {
+    let text = "name: Long way\ncoordinates: {x: }\nkinetic_energy: x'^2/2\nmemory: {n: 0}\n\
+        events: {e: {when: sin(x), direction: rising, then: {set: {n: n + 1}}}}\nscene: {start: {x: 1, x': 100}, until: 1e4}\n";
+    let run = case(text).run();
+    assert_eq!(run.last()["n"], ((1e6 + 1.0) / std::f64::consts::TAU).floor());
 }

@@ -126,3 +126,23 @@ fn soft_walls_push_where_their_exponentials_are_beyond_all_numbers() {
         assert!(found.energy_balance.is_some_and(|balance| balance < 1e-9), "{energy}: {:?}", found.energy_balance);
     }
 }
+
+/// `max(0, …)` of a product or a quotient is cut off where it is as a whole.
+#[test]
+fn one_sided_powers_of_products_are_evaluated_on_their_side() {
+    let ball = |force: &str| {
+        format!(
+            "name: Hertz\nparameters: {{m: 1 kg, k: 100 N/m, R: 1 m, g: 10 m/s^2}}\ncoordinates: {{y: m}}\n\
+             bodies: {{ball: {{mass: m, position: \"[0, y]\"}}}}\ngravity: [0, -g]\n{force}\nscene: {{start: {{y: 0.1}}, until: 2}}\n"
+        )
+    };
+    for force in [
+        "generalized_forces: {y: \"k*R*max(0, -y/R)^1.5\"}",
+        "generalized_forces: {y: \"k*R*max(0, -2*y/(2*R))^1.5\"}",
+        "generalized_forces: {y: \"k*max(0, -y)^1.5/R^0.5\"}",
+        "potential_energy: k*R^2*0.4*max(0, -y/R)^2.5",
+    ] {
+        let run = case(&ball(force)).run();
+        assert!((run.last()["y"] + 0.284_189_9).abs() < 1e-6, "{force}: {}", run.last()["y"]);
+    }
+}

@@ -173,3 +173,23 @@ fn a_contact_of_what_has_no_mass_is_not_what_is_undecided() {
     assert!(error.to_string().contains("singular mass matrix: nothing gives `x` an inertia"), "{error}");
     assert!(case(&text("1")).run().warnings.is_empty());
 }
+
+/// Where a limit jumps, or vanishes, rounding decides what it is: `static` that nobody gave was "below limit", and `abs` negative.
+#[test]
+fn limits_of_friction_may_jump_and_vanish() {
+    let block = |limit: &str, spring: &str, start: &str| {
+        format!(
+            "name: Block\ncoordinates: {{x: }}\nbodies: {{b: {{mass: 1, position: \"[x, 0]\"}}}}\n\
+             generalized_forces: {{x: {spring}}}\n\
+             friction: {{rub: {{rate: x', on: b, along: \"[1, 0]\", limit: \"{limit}\"}}}}\nscene: {{start: {start}, until: 3}}\n"
+        )
+    };
+    // Of an energy of 9/2 the first metre takes 2, and every further one 3.
+    let jumps = case(&block("2 + step(x - 1)", "0", "{x: 0, x': 3}")).run();
+    assert!((jumps.last()["x"] - 1.0 - 2.5 / 3.0).abs() < 1e-9, "{}", jumps.last()["x"]);
+    // As another program integrates it from turn to turn.
+    let vanishes = case(&block("2*abs(x)", "-10*x", "{x: 1}")).run();
+    assert!((vanishes.last()["x"] + 0.542_051_1).abs() < 1e-6, "{}", vanishes.last()["x"]);
+    let Err(error) = case(&block("-2*abs(x)", "-10*x", "{x: 1}")).try_run() else { panic!("it drives") };
+    assert!(error.to_string().contains("negative limit"), "{error}");
+}

@@ -268,3 +268,17 @@ fn a_command_that_is_misspelt_is_proposed_after_help_too() {
     }
     assert!(!program(&["help", "xyzzy"]).unwrap_err().contains("similar"));
 }
+
+/// Terms of two turns that undo each other cancel: an empty sum was printed, which no program can run.
+#[test]
+fn sums_whose_terms_cancel_are_zero() {
+    let text = "name: Turns\nparameters: {m: 1 kg, c: 0.2 m, d: 0.3 m, e: 0.4 m}\ncoordinates: {p: rad, q: rad}\n\
+        frames: {A: {rotate: [x, p]}, B: {from: A, rotate: [[y, 1], [x, 0.5], [x, q]]}}\n\
+        bodies: {b: {mass: m, inertia: [1, 1, 1], frame: B, position: c*B.x + d*B.y + e*B.z}}\n";
+    let path = folder("turns").join("turns.yaml");
+    std::fs::write(&path, text).expect("a file");
+    for form in ["--python", "--latex", "--c"] {
+        let told = program(&["show", path.to_str().expect("a path"), form]).expect("equations");
+        assert!(!told.contains("*()") && !told.contains("\\left(\\right)"), "{told}");
+    }
+}

@@ -101,3 +101,49 @@ fn a_first_step_that_leads_anywhere_is_rejected() {
         assert!(why.contains("more than 300 steps"), "{until}: {why}");
     }
 }
+
+/// A four-bar is closed by a hinge, two of whose rows are 0 however it stands, and where its plane is tilted 0 but for rounding: they counted like any
+/// others.
+#[test]
+fn a_four_bar_moves_in_whatever_plane_it_is() {
+    let tilted = text_of("fourbar_in_a_tilted_plane");
+    for plane in ["[x, 0]", "[x, 0.4]", "[[z, 0.4], [y, 0.7]]", "[[x, 0.4], [y, 0.3]]"] {
+        let run = case(&tilted.replace("[x, 0.4]", plane)).run();
+        close(run.last()["a"], 1.310_860_02, 1e-8);
+    }
+}
+
+/// About a vertical axis it may stand anywhere: the row of that angle is nothing but rounding.
+#[test]
+fn a_body_on_a_pivot_rests_below_it_by_three_angles_as_by_two() {
+    use dalembert::linear::{Guess, equilibrium_near};
+    let text = "name: Bob\nparameters: {m: 1 kg, g: 9.81 m/s^2, l: 1 m}\ncoordinates: {s: rad, a: rad, b: rad}\n\
+        frames: {B: {rotate: [[z, s], [x, a], [y, b]]}}\n\
+        bodies: {bob: {mass: m, inertia: [0.3, 0.4, 0.5], frame: B, position: l*(0.03*B.x - 0.05*B.y - 0.3*B.z)}}\ngravity: [0, 0, -g]\n";
+    for guess in [[0.0, 0.3, 0.2], [0.7, 0.0, 0.0], [-2.0, 0.4, -0.3]] {
+        let rest = equilibrium_near(&case(text).system, &Guess::at(&guess)).expect("a rest");
+        // The centre of mass is below the pivot.
+        close(rest.q[1], 0.164_343_789_662_880_27, 1e-12);
+        close(rest.q[2], 0.099_668_652_491_162_04, 1e-12);
+    }
+    // A free body turns steadily about an axis of its inertia.
+    let free = "name: Hull\ncoordinates: {s: rad, a: rad, b: rad}\nframes: {B: {rotate: [[z, s], [x, a], [y, b]]}}\nbodies:\n  \
+        hull: {mass: 0, inertia: [[3, 0.1, -0.2], [0.1, 4, 0.3], [-0.2, 0.3, 5]], frame: B, position: [0, 0, 0]}\n";
+    let steady = equilibrium_near(&case(free).system, &Guess { v: vec![0.5, 0.0, 0.0], ..Guess::at(&[0.0; 3]) })
+        .expect("a steady motion");
+    close(steady.q[1], 0.259_215, 1e-5);
+    close(steady.q[2], 0.082_522_5, 1e-5);
+}
+
+/// In a frame that turns with time, by angles or by a rotation, a potential of the body's attitude to the frame alone changes with time by rounding.
+#[test]
+fn an_attitude_in_a_frame_that_turns_does_not_depend_on_time() {
+    let text = "name: Satellite\nparameters: {I: 5 kg*m^2, n: 0.2 rad/s, k: 3 N*m}\ncoordinates: {att: rotation}\n\
+        frames: {O: {rotate: [z, n*t]}, B: {from: O, rotate: att}}\n\
+        bodies: {sat: {mass: 0, inertia: [I, 2*I, 2.2*I], frame: B, position: [0, 0, 0]}}\n\
+        potential_energy: k*(dot(B.x, O.x)^2 + 2*dot(B.y, O.x)^2)\nscene: {start: {att: [[z, 0.1]]}}\n";
+    let path = super::folder("satellite").join("satellite.yaml");
+    std::fs::write(&path, text).expect("a file");
+    let told = program(&["modes", path.to_str().expect("a path")]).expect("modes");
+    assert!(told.contains("equilibrium at"), "{told}");
+}

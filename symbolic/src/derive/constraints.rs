@@ -6,6 +6,7 @@ use rustc_hash::FxHashMap as HashMap;
 
 use super::combined::combinations;
 use super::integrals::integral;
+use super::vanishing::without_vanishing;
 use super::{bias_rates, rates};
 use crate::expr::{Forward, Graph, Id, Rational, Symbol, gradients, jacobian, reverse};
 use crate::model::Model;
@@ -42,13 +43,17 @@ impl Rows {
     pub fn of(model: &mut Model) -> Rows {
         let graph = &mut model.graph;
         let value: Vec<Id> = model.constraints.iter().flat_map(|c| c.value.iter().copied()).collect();
+        let value = without_vanishing(graph, &value);
         let holonomic: Vec<bool> = model.constraints.iter().flat_map(|c| c.value.iter().map(|_| c.holonomic)).collect();
         let first = rates(graph, &value);
         let rate: Vec<Id> = (0..value.len()).map(|k| if holonomic[k] { first[k] } else { value[k] }).collect();
         let column = |s: Symbol| if let Symbol::Speed(i) = s { Some(i as usize) } else { None };
         let lines = jacobian(graph, &rate, column);
+        let lines = telling(graph, lines);
         let bias = bias_rates(graph, &rate);
+        let bias = without_vanishing(graph, &bias);
         let drive = at_rest(graph, &rate);
+        let drive = without_vanishing(graph, &drive);
         let integral = lines.iter().enumerate().map(|(k, line)| match holonomic[k] {
             true => None,
             false => integral(graph, line, drive[k]),
@@ -117,6 +122,16 @@ impl Rows {
         }
         power
     }
+}
+
+/// Lines of J without what vanishes identically.
+fn telling(graph: &Graph, lines: Vec<Vec<(usize, Id)>>) -> Vec<Vec<(usize, Id)>> {
+    let all: Vec<Id> = lines.iter().flatten().map(|entry| entry.1).collect();
+    let mut known = without_vanishing(graph, &all).into_iter();
+    let mut kept = |line: Vec<(usize, Id)>| -> Vec<(usize, Id)> {
+        line.into_iter().zip(known.by_ref()).map(|((i, _), x)| (i, x)).filter(|(_, x)| *x != Id::ZERO).collect()
+    };
+    lines.into_iter().map(&mut kept).collect()
 }
 
 /// Rows with speeds and without integrals, those that act in the same phases together.

@@ -30,6 +30,7 @@ pub(crate) mod massless;
 pub(crate) mod momentum;
 mod reactions;
 mod switches;
+mod vanishing;
 mod virtual_power;
 mod weights;
 

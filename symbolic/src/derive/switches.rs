@@ -251,35 +251,20 @@ fn one_sided(graph: &mut Graph, node: Node, base: Id, switches: &[Switch]) -> Op
     if !has_mode(graph, base) {
         return None;
     }
-    let (mut modes, mut factors, mut stack) = (Vec::new(), Vec::new(), vec![base]);
-    while let Some(factor) = stack.pop() {
-        match graph.node(factor) {
-            Node::Binary(Binary::Mul, a, b) => stack.extend([a, b]),
-            Node::Binary(Binary::Div, a, b) if a != Id::ONE => {
-                factors.push(graph.div(Id::ONE, b));
-                stack.push(a);
-            }
-            Node::Unary(Unary::Neg, a) => {
-                factors.push(graph.integer(-1));
-                stack.push(a);
-            }
-            Node::Symbol(Symbol::Mode(k)) => modes.push(k as usize),
-            _ => factors.push(factor),
-        }
-    }
-    // The mode whose argument, or its opposite, is among the factors.
+    let Parts { modes, factors, negative } = Parts::of(graph, base);
+    // The mode all of whose argument, but for its sign, is among the factors.
     let own = modes.iter().find_map(|k| {
-        let argument = switches.get(*k)?.argument;
-        let (inner, sign) = match graph.node(argument) {
-            Node::Unary(Unary::Neg, inner) => (inner, -1),
-            _ => (argument, 1),
-        };
-        Some((*k, factors.iter().position(|f| *f == inner)?, sign))
+        let argument = Parts::of(graph, switches.get(*k)?.argument);
+        let mut left = factors.clone();
+        for factor in &argument.factors {
+            left.remove(left.iter().position(|f| f == factor)?);
+        }
+        (argument.modes.is_empty() && !argument.factors.is_empty()).then_some((*k, argument, left))
     });
-    let (k, place, sign) = own?;
-    let inner = factors.remove(place);
+    let (k, argument, mut factors) = own?;
+    let inner = argument.factors.into_iter().reduce(|product, factor| graph.mul(product, factor))?;
     let mut rest = graph.unary(Unary::Abs, inner);
-    factors.push(graph.integer(sign));
+    factors.push(graph.integer(if negative == argument.negative { 1 } else { -1 }));
     let mut force = graph.symbol(Symbol::Mode(k as u32));
     if switches[k].kind == SwitchKind::Sign {
         force = graph.mul(force, force);
@@ -295,6 +280,36 @@ fn one_sided(graph: &mut Graph, node: Node, base: Id, switches: &[Switch]) -> Op
         _ => graph.unary(Unary::Sqrt, rest),
     };
     Some(graph.mul(force, power))
+}
+
+/// The factors of a product: modes, and all others, without signs.
+struct Parts {
+    modes: Vec<usize>,
+    factors: Vec<Id>,
+    negative: bool,
+}
+
+impl Parts {
+    fn of(graph: &mut Graph, root: Id) -> Parts {
+        let mut parts = Parts { modes: Vec::new(), factors: Vec::new(), negative: false };
+        let mut stack = vec![root];
+        while let Some(factor) = stack.pop() {
+            match graph.node(factor) {
+                Node::Binary(Binary::Mul, a, b) => stack.extend([a, b]),
+                Node::Binary(Binary::Div, a, b) if a != Id::ONE => {
+                    parts.factors.push(graph.div(Id::ONE, b));
+                    stack.push(a);
+                }
+                Node::Unary(Unary::Neg, a) => {
+                    parts.negative = !parts.negative;
+                    stack.push(a);
+                }
+                Node::Symbol(Symbol::Mode(k)) => parts.modes.push(k as usize),
+                _ => parts.factors.push(factor),
+            }
+        }
+        parts
+    }
 }
 
 /// True where a mode is a factor of an expression.

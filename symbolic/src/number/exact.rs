@@ -15,6 +15,8 @@ pub enum Number {
 const ROUNDING: f64 = 1.0 / (1_u128 << 100) as f64;
 
 impl Number {
+    /// 0.
+    pub const ZERO: Number = Number::Exact(Rational::ZERO);
     /// 1.
     pub const ONE: Number = Number::Exact(Rational::ONE);
 

@@ -134,7 +134,12 @@ fn turning(loaded: &Loaded, guess: &Guess, start: &[f64], going: &[usize]) -> Re
         return Ok(None);
     }
     let v = (0..start.len()).map(|i| if all.contains(&i) { start[i] } else { 0.0 }).collect();
-    Ok(linearise_tangent(system, &Guess { v, ..guess.clone() }, false).is_ok().then_some(all))
+    match linearise_tangent(system, &Guess { v, ..guess.clone() }, false) {
+        Ok(_) => Ok(Some(all)),
+        // Where nothing else goes on, a rest would be another motion than the one that was asked for.
+        Err(error) if going.iter().all(|i| start[*i] == 0.0) => Err(failed(error)),
+        Err(_) => Ok(None),
+    }
 }
 
 #[cfg(not(feature = "modal"))]

@@ -6,6 +6,8 @@ use crate::mechanism::{At, ContactEvent, ContactMode, System};
 
 /// A limit below this part of what the forces make of it is zero.
 const NOTHING: f64 = 1e-10;
+/// A moment before or after an instant is this part of its time, and of the time in which all has gone as far as it is: more than its rounding.
+const MOMENT: f64 = 1e-9;
 
 /// The limits of what rubs and touches, or of contacts the coefficients of friction.
 struct Limit {
@@ -15,6 +17,16 @@ struct Limit {
     sticks: f64,
     /// What is rounding.
     zero: f64,
+}
+
+impl Limit {
+    fn is_negative(&self) -> bool {
+        self.slides < -self.zero
+    }
+
+    fn is_wrong(&self) -> bool {
+        self.is_negative() || self.sticks < self.slides - self.zero
+    }
 }
 
 /// Refuses limits that are negative, with which friction would drive, and those of sticking that are smaller than those of sliding, in the phase
@@ -34,17 +46,30 @@ pub(super) fn possible_limits_of(
     (t, y): (f64, &[f64]),
     touches: &[bool],
 ) -> Result<(), Box<Cause>> {
-    for Limit { contact, slides, sticks, zero } in limits(system, (t, y), touches) {
-        let known = &system.contacts().all[contact];
-        let (friction, is_coefficient) = (known.name.to_string(), known.normal.is_some());
-        if slides < -zero {
-            return Err(Cause::NegativeLimit { friction, limit: slides, is_coefficient }.into());
-        }
-        if sticks < slides - zero {
-            return Err(Cause::StaticBelowLimit { friction, sticking: sticks, sliding: slides, is_coefficient }.into());
+    let wrong: Vec<Limit> = limits(system, (t, y), touches).into_iter().filter(Limit::is_wrong).collect();
+    let Some(first) = wrong.first() else { return Ok(()) };
+    // Where a limit jumps or vanishes at this instant, rounding decides what it is; shortly before or after it is what it should be.
+    let n = system.len();
+    let size = |values: &[f64]| values.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let (places, speeds) = (size(&y[..n]), size(&y[n..]));
+    let moment = MOMENT * if speeds > 0.0 { t.abs().max(places / speeds) } else { t.abs() };
+    for moment in [-moment, moment] {
+        let beside: Vec<f64> = (0..2 * n).map(|i| if i < n { y[i] + moment * y[n + i] } else { y[i] }).collect();
+        let known = limits(system, (t + moment, &beside), touches);
+        if !known.iter().any(|limit| limit.contact == first.contact && limit.is_wrong()) {
+            return Ok(());
         }
     }
-    Ok(())
+    let known = &system.contacts().all[first.contact];
+    let (friction, is_coefficient) = (known.name.to_string(), known.normal.is_some());
+    Err(match first {
+        Limit { slides, .. } if first.is_negative() => {
+            Cause::NegativeLimit { friction, limit: *slides, is_coefficient }.into()
+        }
+        Limit { slides, sticks, .. } => {
+            Cause::StaticBelowLimit { friction, sticking: *sticks, sliding: *slides, is_coefficient }.into()
+        }
+    })
 }
 
 fn limits(system: &mut dyn System, (t, y): (f64, &[f64]), touches: &[bool]) -> Vec<Limit> {

@@ -112,6 +112,20 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         all
     }
 
+    /// What keeps the lengths of rotations' four numbers, and the rates of these, by [δq; δq']: forces are homogeneous in the four, so that a step along
+    /// them would balance any.
+    fn lengths(&self, state: &State) -> DMatrix<f64> {
+        let (n, rotations) = (self.n, self.rotations(state));
+        let mut rows = DMatrix::zeros(2 * rotations.len(), 2 * n);
+        for (k, (first, axis)) in rotations.iter().enumerate() {
+            for (i, x) in axis.iter().enumerate() {
+                rows[(2 * k, first + i)] = *x;
+                rows[(2 * k + 1, n + first + i)] = *x;
+            }
+        }
+        rows
+    }
+
     /// The rest nearest to the guess; where there is none, or speeds are given, the steady motion, and how many iterations led there.
     ///
     /// At rest a constraint such as `e' = r - x` asks for x = r: with speeds open it would ask for nothing.
@@ -150,16 +164,18 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
             let slopes = self.slopes(state);
             let allowed = self.allowed(state);
             let extra = allowed.nrows();
-            let mut matrix = DMatrix::zeros(n + extra + m, open.len() + m);
+            let lengths = self.lengths(state).select_columns(open);
+            let mut matrix = DMatrix::zeros(n + extra + m + lengths.nrows(), open.len() + m);
             matrix.view_mut((0, 0), (n, open.len())).copy_from(&slopes.rows(0, n).select_columns(open));
             matrix.view_mut((0, open.len()), (n, m)).copy_from(&(-self.effects(state)));
             matrix.view_mut((n, 0), (extra, open.len())).copy_from(&allowed.select_columns(open));
             matrix.view_mut((n + extra, 0), (m, open.len())).copy_from(&slopes.rows(n, m).select_columns(open));
+            matrix.view_mut((n + extra + m, 0), lengths.shape()).copy_from(&lengths);
             if is_lost(&self.units(), &state.q) || matrix.iter().chain(left.iter()).any(|x| !x.is_finite()) {
                 return Err(self.nowhere(state, iterations));
             }
             let matrix = telling(matrix, &self.measures(state), sizes(state));
-            let right = DMatrix::from_column_slice(left.len(), 1, left.as_slice());
+            let right = DMatrix::from_fn(matrix.nrows(), 1, |i, _| left.get(i).copied().unwrap_or(0.0));
             let Some(step) = solve_least(&matrix, &right) else { return Err(self.nowhere(state, iterations)) };
             let mut turns = vec![0.0; n];
             open.iter().zip(step.iter()).filter(|(i, _)| **i < n).for_each(|(i, step)| turns[*i] = *step);
@@ -222,6 +238,9 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
     /// # Errors
     /// [`LinearError::NotSteady`], [`LinearError::DependsOnTime`].
     pub fn is_steady(&self, state: &State) -> Result<(), LinearError> {
+        if self.has_no_time() && state.v.iter().all(|v| *v == 0.0) {
+            return Ok(());
+        }
         let now = self.field(state)?;
         let size = now.amax().max(f64::MIN_POSITIVE);
         let name = |k: usize| self.system.description().coordinates[k].name.to_string();
@@ -284,7 +303,10 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         let unit = |i: usize| if mass[(i, i)] > 0.0 { 1.0 / mass[(i, i)].sqrt() } else { 1.0 };
         let units = DVector::from_fn(2 * n, |i, _| unit(i % n));
         let scaled = DMatrix::from_fn(2 * n, 2 * n, |i, j| field[(i, j)] * units[j] / units[i]);
-        let mut allowed = self.allowed(state);
+        let (allowed, lengths) = (self.allowed(state), self.lengths(state));
+        let mut allowed = DMatrix::from_fn(allowed.nrows() + lengths.nrows(), 2 * n, |i, j| {
+            if i < allowed.nrows() { allowed[(i, j)] } else { lengths[(i - allowed.nrows(), j)] }
+        });
         allowed.column_iter_mut().enumerate().for_each(|(j, mut column)| column.scale_mut(units[j]));
         let basis = null_space(allowed).ok_or(LinearError::NoConvergence { what: "the states that are left" })?;
         let (basis, shifted) = match &state.turn {

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use nalgebra::DMatrix;
 
 use super::Guess;
+use crate::linear::matrices::NO_ANGLE;
 use crate::linear::{LinearError, Residual, SparseMatrix, has_dependent_coordinates, short};
 use crate::mechanism::dense::{constraint_matrix, constraint_triples};
 use crate::mechanism::{At, SwitchKind, System};
@@ -195,7 +196,13 @@ impl LinearisationPoint {
         self.settle(0.0, q, &self.v);
         let mut sums = self.magnitudes(q);
         let [_, damping, stiffness] = self.present_matrices(q);
-        for (matrix, state) in [(stiffness, q), (damping, &self.v)] {
+        // An angle that is 0 but for rounding counts as one of 1 rad.
+        let number = |(unit, q): (String, &f64)| match matches!(unit.as_str(), "1" | "rad") {
+            true if q.abs() <= NO_ANGLE => 1.0,
+            _ => q.abs(),
+        };
+        let numbers: Vec<f64> = self.units().into_iter().zip(q).map(number).collect();
+        for (matrix, state) in [(stiffness, &numbers), (damping, &self.v)] {
             for (row, column, value) in &matrix.entries {
                 sums[*row as usize] += (value * state[*column as usize]).abs();
             }
@@ -265,9 +272,9 @@ impl LinearisationPoint {
         ]
     }
 
-    /// ∂F/∂q, dense.
+    /// ∂F/∂q without what is rounding, dense.
     pub fn stiffness(&self, q: &[f64]) -> DMatrix<f64> {
-        self.matrices(q)[2].to_dense()
+        self.cleaned(q)[2].to_dense()
     }
 
     /// −∂F/∂(u, u', u''), n × 3m.

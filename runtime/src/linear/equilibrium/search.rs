@@ -220,7 +220,8 @@ fn newton(base: &LinearisationPoint, mut q: Vec<f64>) -> Result<Found, LinearErr
         if force.iter().all(|f| *f == 0.0) {
             return Ok(Found { q, iterations, slow: history.slow });
         }
-        let [mass, _, stiffness] = base.matrices(&q);
+        // A row of nothing but rounding would count like any other where rows are brought to one size.
+        let [mass, _, stiffness] = base.cleaned(&q);
         let here = balanced(&force, &base.measure(&q), FOUND);
         let rows = Rows::new(&mass, &stiffness.to_dense());
         let step = rows.step(&force)?;

@@ -18,7 +18,7 @@ pub(super) use cholesky::{cholesky, first_order, solve_cholesky};
 pub(super) use eigen::{Eigen, condition};
 pub use expm::expm;
 pub use mechanism::LinearMechanism;
-pub(super) use scaled::{Scaled, first_part, is_lost, natural_sizes, null_space, tried_parts};
+pub(super) use scaled::{NO_ANGLE, Scaled, first_part, is_lost, natural_sizes, null_space, tried_parts};
 pub(super) use singular::Singular;
 pub use sparse::SparseMatrix;
 pub(super) use symmetric::symmetric_eigen;

@@ -11,7 +11,7 @@ const LARGE: usize = 60;
 /// Numbers below this part of others are rounding.
 const ROUNDING: f64 = 1e-15;
 /// Angles and pure numbers below this are.
-const NO_ANGLE: f64 = 1e-12;
+pub const NO_ANGLE: f64 = 1e-12;
 
 /// What each number is large beside: the largest of those with its unit; where all of these are rounding, 1 for angles and pure
 /// numbers, and for others the largest of all, 1 of an angle among them.

@@ -268,11 +268,16 @@ impl Writing {
         if let Some(first) = list.iter().position(|(negative, _)| !negative) {
             list[..=first].rotate_right(1);
         }
-        let all_negative = list.iter().all(|(negative, _)| *negative);
+        let all_negative = !list.is_empty() && list.iter().all(|(negative, _)| *negative);
         if all_negative {
             list.iter_mut().for_each(|(negative, _)| *negative = false);
         }
-        let formula = if list.len() == 1 { list.remove(0).1 } else { Rc::new(Formula::Sum(list)) };
+        let formula = match list.len() {
+            // Terms that cancel.
+            0 => Rc::new(Formula::Number(Number::ZERO)),
+            1 => list.remove(0).1,
+            _ => Rc::new(Formula::Sum(list)),
+        };
         Written { negative: all_negative, formula, leaves, depth, motion }
     }
 
