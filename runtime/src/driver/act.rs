@@ -43,7 +43,7 @@ impl Integration {
         recorder: &mut Recorder,
     ) -> Result<StopReason, Box<Cause>> {
         let mut fired = fired;
-        let mut stop_reason = StopReason::Arrived;
+        let (mut stop_reason, mut stopping) = (StopReason::Arrived, false);
         // What a tick does not do needs no new start.
         let mut idle = fired.iter().all(|fired| fired.pending);
         while !self.cycles(locator.last_step()) {
@@ -53,12 +53,14 @@ impl Integration {
                 false => Vec::new(),
             };
             let enters = actions(&fired).any(|action| matches!(action, Action::Phase(_) | Action::Contact(_)));
-            let Effects { done, stops, ends, assigned } = self.effects(system, &fired, locator, recorder)?;
+            let Effects { done, stops, ends, assigned } =
+                self.effects(system, (&fired, stopping), locator, recorder)?;
+            stopping = stops;
             let Done { acts: mut changed, strikes: hit } = done;
             if ends {
                 stop_reason = StopReason::Event;
             }
-            if !changed && !assigned.any && !stops {
+            if !changed && !assigned.any && !stopping {
                 if !idle {
                     self.restart(system, recorder)?;
                 }
@@ -68,7 +70,11 @@ impl Integration {
             if assigned.any {
                 changed |= self.reassigned(system, &watched, locator, recorder)?;
             }
-            if stops {
+            if stopping {
+                fired = self.consequences(system, &assigned, locator);
+                if !fired.is_empty() {
+                    continue;
+                }
                 self.project_start(system)?;
                 self.restart(system, recorder)?;
                 return Ok(StopReason::Event);
@@ -87,16 +93,20 @@ impl Integration {
         Err(Box::new(endless(system, &fired)))
     }
 
-    /// Does what events say that fire together, those that are pending where their conditions hold, as far as the first that stops the run.
+    /// Does what events say that fire together, those that are pending where their conditions hold; where the run stops, by one of them or already, they
+    /// only set values from there on.
     fn effects(
         &mut self,
         system: &mut dyn System,
-        fired: &[Fired],
+        (fired, stopping): (&[Fired], bool),
         locator: &mut EventLocator,
         recorder: &mut Recorder,
     ) -> Result<Effects, Box<Cause>> {
-        let mut effects = Effects::default();
+        let mut effects = Effects { stops: stopping, ..Effects::default() };
         for Fired { event, actions, pending } in fired {
+            if effects.stops && !actions.iter().any(sets) {
+                continue;
+            }
             let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
             if *pending {
                 if !locator.holds(system, *event, (now, &y)) {
@@ -109,8 +119,9 @@ impl Integration {
             effects.ends |= Some(*event) == self.ends_after;
             for action in actions {
                 match action {
-                    Action::Stop => return Ok(Effects { stops: true, ..effects }),
+                    Action::Stop => effects.stops = true,
                     Action::Set(set) => self.assign(system, (*event, *set as usize), &mut effects.assigned)?,
+                    _ if effects.stops => {}
                     action => {
                         let Done { acts, strikes } = self.does(system, (*event, *action), recorder)?;
                         effects.done.acts |= acts;

@@ -149,8 +149,9 @@ pub(crate) struct Integration {
     /// Errors and length of the last attempt at the present step, if it was rejected.
     rejected: Vec<f64>,
     rejected_step: f64,
-    /// How many steps were cut because a watched function oscillated within them.
+    /// How many steps were cut because a watched function oscillated within them, since this time, s.
     cuts: u32,
+    cut_from: f64,
     /// How long a step may be in which watched functions can be followed, s.
     traced: f64,
     /// Whether the fixed step is no more than the longest: a shorter one is as exact, and breaks no structure.
@@ -203,6 +204,7 @@ impl Integration {
             rejected: Vec::with_capacity(y.len()),
             rejected_step: 0.0,
             cuts: 0,
+            cut_from: f64::NEG_INFINITY,
             traced: f64::INFINITY,
             any_step: false,
             found: None,
@@ -447,6 +449,9 @@ impl Integration {
             match outcome {
                 // What oscillates in a long step may not in a short one.
                 Err(cause) if matches!(*cause, Cause::OscillatesTooFast { .. }) && self.may_cut() => {
+                    if self.clock.now() - self.cut_from > ON * (self.until - self.clock.now()) {
+                        (self.cuts, self.cut_from) = (0, self.clock.now());
+                    }
                     self.cuts += 1;
                     self.work.retries += 1;
                     self.traced = CUT * step.h;
@@ -699,11 +704,12 @@ impl Integration {
     }
 }
 
-/// So many times in a run a step is cut because a watched function oscillates within it.
+/// So many times a step is cut because a watched function oscillates within it, before the run has gone on by a part of what is left of it.
 const MOST_CUTS: u32 = 100;
+const ON: f64 = 0.01;
 /// To this part; each one after it may be longer by this factor, until one is cut again.
 const CUT: f64 = 0.01;
-const LONGER: f64 = 1.25;
+const LONGER: f64 = 2.0;
 
 /// An error that names the first number that is not finite.
 fn finite(system: &dyn System, y: &[f64], primes: usize) -> Result<(), Box<Cause>> {

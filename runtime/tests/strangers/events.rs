@@ -433,11 +433,38 @@ fn swings_that_are_one_step_each_are_no_chattering() {
     }
 }
 
-/// A step as long as the run is cut where a function turns too often in it to be followed, and all after it, too.
+/// A step as long as the run is cut where a function turns too often in it to be followed, and those after it are longer and longer.
 #[test]
 fn events_of_a_million_radians_are_followed_in_long_steps() {
-    let text = "name: Long way\ncoordinates: {x: }\nkinetic_energy: x'^2/2\nmemory: {n: 0}\n\
-        events: {e: {when: sin(x), direction: rising, then: {set: {n: n + 1}}}}\nscene: {start: {x: 1, x': 100}, until: 1e4}\n";
-    let run = case(text).run();
-    assert_eq!(run.last()["n"], ((1e6 + 1.0) / std::f64::consts::TAU).floor());
+    let text = |force: &str, start: &str, until: &str| {
+        format!(
+            "name: LongWay\ncoordinates: {{x: }}\nkinetic_energy: x'^2/2\ngeneralized_forces: {{x: \"{force}\"}}\n\
+             events: {{e: {{when: sin(x), direction: rising, then: record}}}}\nscene: {{start: {start}, until: {until}}}\n"
+        )
+    };
+    let free = case(&text("0", "{x: 1, x': 100}", "1e4")).run();
+    assert_eq!(free.events.len() as f64, ((1e6 + 1.0) / std::f64::consts::TAU).floor());
+    // As another method has it, whose steps are those of the forces.
+    let pushed = case(&text("sign(sin(x))", "{x: 1, x': 2}", "1000")).run();
+    let mut again = case(&text("sign(sin(x))", "{x: 1, x': 2}", "1000"));
+    again.settings.method = Method::Dop853;
+    let x = again.run().last()["x"];
+    assert!((pushed.last()["x"] - x).abs() < 1e-6 * x.abs(), "{} {x}", pushed.last()["x"]);
+}
+
+/// What is set at the instant of a stop is set, in whatever order, by other clocks, and by what follows from it, too.
+#[test]
+fn values_are_set_at_the_instant_at_which_a_run_stops() {
+    let text = |then: &str| {
+        format!(
+            "name: Clocks\ncoordinates: {{x: m}}\nmemory: {{u: 0, v: 1, w: 0}}\nkinetic_energy: x'^2/2\nevents:\n  \
+             a: {{every: 0.3, from: 0.3, then: {then}}}\n  b: {{every: 0.3, then: {{set: {{v: v + 7}}}}}}\n  \
+             c: {{on_set: u, then: {{set: {{w: 2*u}}}}}}\nscene: {{start: {{x': 1}}, until: 1}}\n"
+        )
+    };
+    for then in ["[stop, {set: {u: u + 1}}]", "[{set: {u: u + 1}}, stop]"] {
+        let run = case(&text(then)).run();
+        let last = run.last();
+        assert_eq!((last.t, last["u"], last["v"], last["w"]), (0.3, 1.0, 15.0, 2.0), "{then}");
+    }
 }
