@@ -8,7 +8,8 @@
 //!
 //! 6. Constraints, differentiated as often as accelerations need: look in `constraints`; integrals of those that contain
 //!    speeds, where they can be written down: look in `integrals`, of combinations of them in `combined`.  Forces on bodies
-//!    of mass 0 balance, which is a constraint too: look in `massless`.
+//!    of mass 0 balance, which is a constraint too: look in `massless`.  What of a row is 0 but for rounding at any state is left
+//!    out: look in `vanishing`.
 //! 7. States of first order become the speeds of hidden coordinates: look in `hidden`.
 //! 8. Where M is large, and accelerations come without it, M and h are not formed at all: look in `elimination`.
 //!
