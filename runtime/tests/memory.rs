@@ -303,8 +303,9 @@ fn a_set_is_of_the_values_before_and_sets_follow_each_other() {
     assert_eq!(held("exchange", "{set: {a: e, e: a}}"), [2.0, 1.0, 2.0, 3.0]);
     assert_eq!(held("list", "[{set: {a: e}}, {set: {e: a}}]"), [2.0, 2.0, 2.0, 3.0]);
     assert_eq!(held("record", "[{set: {a: 7}}, record]"), [7.0, 2.0, 7.0, 8.0]);
-    // What stops is the last.
-    assert_eq!(held("stop", "[{set: {a: 7}}, stop]"), [7.0, 2.0, 1.0, 1.0]);
+    // What stops leaves the rest of its instant to be set.
+    assert_eq!(held("stop", "[{set: {a: 7}}, stop]"), [7.0, 2.0, 7.0, 8.0]);
+    assert_eq!(held("stop-first", "[stop, {set: {a: 7}}]"), [7.0, 2.0, 7.0, 8.0]);
     let found = json(&["simulate", &law("events", "[{set: {a: 7}}, record]", "c").0]);
     assert_eq!(found["events"].as_array().map(Vec::len), Some(1));
     // What follows itself never ends.
