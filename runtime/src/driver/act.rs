@@ -120,7 +120,9 @@ impl Integration {
             for action in actions {
                 match action {
                     Action::Stop => effects.stops = true,
-                    Action::Set(set) => self.assign(system, (*event, *set as usize), &mut effects.assigned)?,
+                    Action::Set(set) => {
+                        self.assign(system, (*event, *set as usize), locator.last_step(), &mut effects.assigned)?
+                    }
                     _ if effects.stops => {}
                     action => {
                         let Done { acts, strikes } = self.does(system, (*event, *action), recorder)?;

@@ -15,6 +15,13 @@ pub(super) struct Assigned {
     pub any: bool,
 }
 
+/// So much earlier, in parts of the last step, assigned values are looked at for jumps: far more than an event is located to.
+const MOMENT: f64 = 1e-9;
+/// No less earlier, in parts of the time.
+const LATE: f64 = 64.0 * f64::EPSILON;
+/// What changes by less of itself in this moment is rounding.
+const JUMP: f64 = 1e-12;
+
 impl Integration {
     /// Does what the events of the earliest ticks that have come say.
     pub(super) fn tick(&mut self, system: &mut dyn System, recorder: &mut Recorder) -> Result<StopReason, Box<Cause>> {
@@ -31,7 +38,7 @@ impl Integration {
         outcome
     }
 
-    /// Sets what one `set` says, all of it from the values before.
+    /// Sets what one `set` says, all of it from the values before; the last step was this long, s.
     ///
     /// # Errors
     /// [`Cause::NonFinite`] names what would not be a number.
@@ -39,20 +46,15 @@ impl Integration {
         &mut self,
         system: &mut dyn System,
         (event, set): (usize, usize),
+        last_step: f64,
         assigned: &mut Assigned,
     ) -> Result<(), Box<Cause>> {
         let (n, sampling) = (system.len(), system.sampling());
         let (first, targets) = (sampling.first_of_set(set), sampling.sets[set].to_vec());
-        let mut values = vec![0.0; sampling.assignments()];
-        let (mut a, mut lambda) = (vec![0.0; n], vec![0.0; system.description().rows.len()]);
-        let y = self.stepper.start().y;
-        let at = At::packed(self.clock.now(), y, n);
-        if sampling.sets_use_accelerations {
-            system
-                .accelerations_and_multipliers(at, &mut a, &mut lambda)
-                .map_err(|fault| crate::integrate::StepFailure::from(fault).cause(system.description()))?;
+        let mut values = assignments(system, (self.clock.now(), self.stepper.start().y))?;
+        if *sampling.trigger(event) == Trigger::Zero {
+            self.before_jumps(system, last_step, &mut values);
         }
-        system.assignments(at.accelerated(&a).constrained(&lambda), &mut values);
         let mut memory = system.memory().to_vec();
         assigned.held.resize(memory.len(), false);
         for (target, value) in targets.iter().zip(&values[first..]) {
@@ -77,6 +79,28 @@ impl Integration {
         Ok(())
     }
 
+    /// Puts what was just before in the place of assigned values that jump where an event is located: `sign(x)` where x rises through 0 is −1, and
+    /// not what rounding makes of it.
+    fn before_jumps(&self, system: &dyn System, last_step: f64, values: &mut [f64]) {
+        let (now, n, start) = (self.clock.now(), system.len(), self.stepper.start());
+        let moment = (MOMENT * last_step).max(LATE * now.abs());
+        let earlier = |by: f64| {
+            let (q, v) = start.y.split_at(n);
+            let rates = v.iter().zip(&start.rate[n..2 * n]);
+            let places = q.iter().zip(rates.clone()).map(|(q, (v, a))| q - by * (v - 0.5 * by * a));
+            let y: Vec<f64> = places.chain(rates.map(|(v, a)| v - by * a)).collect();
+            assignments(system, (now - by, &y))
+        };
+        // Where they are not known there is nothing to take.
+        let (Ok(near), Ok(far)) = (earlier(moment), earlier(10.0 * moment)) else { return };
+        for ((value, near), far) in values.iter_mut().zip(near).zip(far) {
+            let jump = (*value - near).abs();
+            if jump > 0.5 * (*value - far).abs() && jump > JUMP * value.abs().max(near.abs()) {
+                *value = near;
+            }
+        }
+    }
+
     /// Events that follow what was set, in file order, each once.
     pub(super) fn consequences(&self, system: &dyn System, assigned: &Assigned, locator: &EventLocator) -> Vec<Fired> {
         let triggers = system.sampling().triggers.iter().enumerate();
@@ -86,4 +110,19 @@ impl Integration {
         };
         locator.pending(system, triggers.filter(follows).map(|(event, _)| event))
     }
+}
+
+/// All that the events of a mechanism would set at a state.
+fn assignments(system: &dyn System, (t, y): (f64, &[f64])) -> Result<Vec<f64>, Box<Cause>> {
+    let (n, sampling) = (system.len(), system.sampling());
+    let mut values = vec![0.0; sampling.assignments()];
+    let (mut a, mut lambda) = (vec![0.0; n], vec![0.0; system.description().rows.len()]);
+    let at = At::packed(t, y, n);
+    if sampling.sets_use_accelerations {
+        system
+            .accelerations_and_multipliers(at, &mut a, &mut lambda)
+            .map_err(|fault| crate::integrate::StepFailure::from(fault).cause(system.description()))?;
+    }
+    system.assignments(at.accelerated(&a).constrained(&lambda), &mut values);
+    Ok(values)
 }

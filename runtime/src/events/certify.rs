@@ -117,6 +117,11 @@ const AWAY: u32 = 8;
 const FLAT: u32 = 4;
 /// A value larger than those beside it by this is at a pole.
 const POLE: f64 = 1e8;
+/// Where a value is tested for being more than rounding, in parts of the distance at which the function varies by as much: on both sides, and
+/// such that no two are alike to rounding.
+const AROUND: [f64; 6] = [-0.9, -0.55, -0.3, 0.35, 0.6, 0.95];
+/// A distance of so many of the finest there are is resolved.
+const MANY: f64 = 64.0;
 /// Room for the points of an ordinary search.
 const ROOM: usize = 256;
 /// So many samples beyond four a piece are taken before it is asked whether a function is rounding: as many points as there is [`ROOM`] for.  What
@@ -284,10 +289,12 @@ impl Certifier {
             if looked && before.slope * here.slope < 0.0 {
                 let turn = self.extremum(f, (before, here), noise);
                 if turn.x > before.x && turn.x < here.x {
-                    self.points.push(settled(turn, length, (r, noise)));
+                    let turn = self.settled(f, turn, (before, here), (r, noise));
+                    self.points.push(turn);
                 }
             }
-            self.points.push(settled(here, length, (r, noise)));
+            let settled = self.settled(f, here, (a, b), (r, noise));
+            self.points.push(settled);
             before = here;
         }
     }
@@ -327,6 +334,37 @@ impl Certifier {
             }
         }
         best
+    }
+
+    /// A point at which the function turns and is zero to its rounding, as a zero; it lies between or on these ends of a piece.
+    fn settled(
+        &mut self,
+        f: &mut impl FnMut(f64) -> (f64, f64),
+        point: Sample,
+        (a, b): (Sample, Sample),
+        (r, noise): (f64, f64),
+    ) -> Sample {
+        let turns = (b.x - a.x) * point.slope.abs() <= 2.0 * (noise * r).sqrt();
+        let zero = turns && point.value.abs() <= noise && !self.stands(f, point, (a, b));
+        if zero { Sample { value: 0.0, ..point } } else { point }
+    }
+
+    /// Whether a value at which the function turns is more than rounding, although it is next to nothing beside those at the ends of a piece: so
+    /// near to it that the function varies by as much as the value, it is a parabola to a good part of that.  Both ends of a pulse may be the
+    /// zeros of one such function.
+    fn stands(&mut self, f: &mut impl FnMut(f64) -> (f64, f64), point: Sample, (a, b): (Sample, Sample)) -> bool {
+        let bend = 0.5 * (b.slope - a.slope) / (b.x - a.x);
+        let reach = (point.value / bend).abs().sqrt();
+        if point.value.abs() <= self.rounding || !(reach > MANY * self.finest(point.x, point.x) && reach < b.x - a.x) {
+            return false;
+        }
+        AROUND.into_iter().all(|part| {
+            let away = part * reach;
+            let x = point.x + away;
+            let parabola = point.value + bend * away * away;
+            // Beyond the piece nothing was asked.
+            !(x > a.x && x < b.x) || (self.sample(f, x).value - parabola).abs() <= CONSISTENT * point.value.abs()
+        })
     }
 
     /// Goes from point to point and marks where the sign changes.
@@ -425,12 +463,6 @@ fn second_largest(values: [f64; 3]) -> f64 {
     let mut sizes = values.map(|value| larger(0.0, value));
     sizes.sort_unstable_by(f64::total_cmp);
     sizes[1]
-}
-
-/// A point at which the function turns and is zero to its rounding, as a zero; the piece about it is this long.
-fn settled(point: Sample, length: f64, (r, noise): (f64, f64)) -> Sample {
-    let turns = length * point.slope.abs() <= 2.0 * (noise * r).sqrt();
-    if turns && point.value.abs() <= noise { Sample { value: 0.0, ..point } } else { point }
 }
 
 fn kind(nature: Nature, rising: bool) -> ZeroKind {

@@ -3,6 +3,7 @@
 use super::certify::Sample;
 use super::modes::{Known, STANDS, Trial, mode, side_of};
 use super::sample::Sampler;
+use super::sides::in_time;
 use crate::mechanism::System;
 
 /// An argument that would vanish within this part of a step vanishes.
@@ -52,6 +53,14 @@ pub(super) fn combinations<S: System + ?Sized>(
                 continue;
             }
             sampler.at_state(system, t, y);
+            if system.description().switches[switch].time_only {
+                // Nothing but the instant decides, however short the time to its next zero is beside a step.
+                match in_time(sampler, switch, t) {
+                    0.0 => {}
+                    side => one.modes[switch] = mode(system, switch, side),
+                }
+                continue;
+            }
             let (value, rate) = (sampler.value(sampler.function_of(switch)), sampler.rate(switch));
             let on = known.surface[switch]
                 || before.slid.contains(&switch)

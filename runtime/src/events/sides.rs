@@ -49,9 +49,7 @@ pub(super) fn of_time<S: System + ?Sized>(
     // An argument contains modes of earlier switches only.
     for switch in (0..timed.len()).filter(|switch| timed[*switch]) {
         sampler.at_time(system, t, y);
-        let (value, rate) = (sampler.value(sampler.function_of(switch)), sampler.rate(switch));
-        let seen = if value.abs() <= SAME * t.abs() * rate.abs() { rate } else { value };
-        let side = if seen == 0.0 || seen.is_nan() { 0.0 } else { seen.signum() };
+        let side = in_time(sampler, switch, t);
         sides[switch] = Some(side);
         if side != 0.0 {
             modes[switch] = modes::mode(system, switch, side);
@@ -59,4 +57,11 @@ pub(super) fn of_time<S: System + ?Sized>(
         }
     }
     sides
+}
+
+/// On which side a switch of time alone is from t on, under the modes in force; 0 where neither its argument nor the rate of that tells.
+pub(super) fn in_time(sampler: &Sampler, switch: usize, t: f64) -> f64 {
+    let (value, rate) = (sampler.value(sampler.function_of(switch)), sampler.rate(switch));
+    let seen = if value.abs() <= SAME * t.abs() * rate.abs() { rate } else { value };
+    if seen == 0.0 || seen.is_nan() { 0.0 } else { seen.signum() }
 }

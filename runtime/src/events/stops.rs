@@ -33,6 +33,8 @@ pub(crate) struct Stops {
     until: f64,
     /// The length of stretches, s.
     stretch: f64,
+    /// Whether every second one comes a rounding early: two runs that differ so tell what the rounding of their times changes.
+    early: bool,
 }
 
 /// More stop times than this are not found at once.
@@ -43,12 +45,14 @@ const SHORTEST: f64 = 1e-6;
 const BEYOND: f64 = 1e-9;
 /// On either side of the points of a table, in parts of their time, its argument is on that side too.
 const ASIDE: f64 = 8.0 * f64::EPSILON;
+/// A zero is corrected no more often.
+const CORRECTIONS: u32 = 4;
 /// Inputs of which u or u' differ by this part of themselves beside a time turn there.
 const TURNS: f64 = 1e-11;
 
 impl Stops {
     /// The stop times after `from`, `until` among them: what happens where a run ends belongs to it, and not to the one
-    /// that begins there.
+    /// that begins there. Of a run that is compared every second one comes a rounding `early`.
     ///
     /// # Errors
     /// [`Cause::OscillatesTooFast`] names a switch with more zeros than can be listed.
@@ -57,8 +61,9 @@ impl Stops {
         samplers: (&mut Sampler, &mut Arguments),
         (from, until): (f64, f64),
         y: &[f64],
+        early: bool,
     ) -> Result<Self, Box<Cause>> {
-        let mut stops = Stops { list: Vec::new(), horizon: from, until, stretch: until - from };
+        let mut stops = Stops { list: Vec::new(), horizon: from, until, stretch: until - from, early };
         stops.extend(system, samplers, y)?;
         Ok(stops)
     }
@@ -102,6 +107,10 @@ impl Stops {
         };
         system.set_modes(&before);
         let (mut list, end) = outcome?;
+        if self.early {
+            // All of them would only be shifted.
+            list.iter_mut().step_by(2).for_each(|stop| come_early(stop, (self.horizon, self.until)));
+        }
         for input in 0..system.description().inputs.len() {
             let Some(signal) = system.signal(input) else { continue };
             for one in breaks(signal, (self.horizon, end)).into_iter().filter(|one| one.after < self.until) {
@@ -113,6 +122,14 @@ impl Stops {
         self.list.reverse();
         self.horizon = end;
         Ok(())
+    }
+}
+
+/// Lets a stop between the ends of a run come a rounding early: never late, for what is reported at its instant comes after it.
+fn come_early(stop: &mut Stop, (from, until): (f64, f64)) {
+    let early = stop.t - f64::EPSILON * stop.t.abs();
+    if early > from && stop.t < until && stop.after == stop.t {
+        (stop.t, stop.after) = (early, early);
     }
 }
 
@@ -256,5 +273,32 @@ fn zeros<S: System + ?Sized>(
     };
     let (first, last) = (ends(Box::new(certifier.points().iter())), ends(Box::new(certifier.points().iter().rev())));
     let changes = certifier.marks.iter().filter(|mark| !matches!(mark.kind, ZeroKind::Touches));
-    Some(Zeros { times: changes.map(|mark| low + mark.x * span).collect(), first, last })
+    let mut at = |t: f64| {
+        sampler.at_time(system, t, y);
+        (sampler.value(sampler.function_of(switch)), sampler.rate(switch))
+    };
+    let times = changes.map(|mark| match mark.kind {
+        ZeroKind::Crosses { .. } => exactly(&mut at, low + mark.x * span, span),
+        _ => low + mark.x * span,
+    });
+    Some(Zeros { times: times.collect(), first, last })
+}
+
+/// The time of a zero that is known to the rounding of so long a stretch, to its own rounding by Newton's method.
+fn exactly(at: &mut impl FnMut(f64) -> (f64, f64), t: f64, span: f64) -> f64 {
+    let mut best = (t, at(t));
+    for _ in 0..CORRECTIONS {
+        let (t, (value, rate)) = best;
+        let next = t - value / rate;
+        // What is a zero of higher order, or another one, is left.
+        if next == t || !((next - t).abs() <= ASIDE * span) {
+            break;
+        }
+        let there = at(next);
+        if there.0.abs() >= value.abs() {
+            break;
+        }
+        best = (next, there);
+    }
+    best.0
 }

@@ -468,3 +468,56 @@ fn values_are_set_at_the_instant_at_which_a_run_stops() {
         assert_eq!((last.t, last["u"], last["v"], last["w"]), (0.3, 1.0, 15.0, 2.0), "{then}");
     }
 }
+
+/// A pulse is met whatever its width, though both of its ends are zeros of one function, or the step before it was long; what is promised counts that
+/// its instants are rounded.
+#[test]
+fn pulses_of_any_width_are_met() {
+    let pulse = |force: &str, t0: f64, w: f64, until: f64| {
+        let mut case = case(&format!(
+            "name: Pulse\nparameters: {{t0: {t0}, w: {w}}}\ncoordinates: {{x: }}\nkinetic_energy: x'^2/2\n\
+             generalized_forces: {{x: \"{force}\"}}\nscene: {{start: {{x: 0}}, until: {until}}}\n"
+        ));
+        case.settings.digits = true;
+        let run = case.run();
+        (run.last()["x'"], run.errors("x'").map_or(f64::NAN, |errors| errors[errors.len() - 1]))
+    };
+    for (force, impulse) in [
+        ("max(0, 1 - ((t - t0)/w)^2)*0.75/w", 1.0),
+        ("step(w^2 - (t - t0)^2)/w", 2.0),
+        ("(step(t - t0 + w) - step(t - t0 - w))/w", 2.0),
+        ("max(0, 1 - abs(t - t0)/w)/w", 1.0),
+    ] {
+        for (t0, w, until) in
+            [(0.9, 1e-8, 1.0), (9.0, 1e-10, 1e6), (9e5, 1e-2, 1e6), (9e5, 1e-5, 1e6), (9.0, 0.5, 20.0)]
+        {
+            let (found, error) = pulse(force, t0, w, until);
+            assert!((found - impulse).abs() <= 1.5 * error, "{force}, {w} at {t0}: {found}, off by {error}");
+            // 1 - (1 - w/t0) of doubles.
+            assert!(error < 1e-7 + 20.0 * f64::EPSILON * t0 / w, "{force}, {w} at {t0}: {error}");
+        }
+    }
+    // In space: out of a hill of 0.75/w (1 - ((x - c)/w)^2), that is by an impulse of energy of 1.
+    let mut zone = case(
+        "name: Zone\nparameters: {c: 0.9, w: 1e-9}\ncoordinates: {x: }\nkinetic_energy: x'^2/2\n\
+         generalized_forces: {x: \"max(0, 1-((x-c)/w)^2)*0.75/w\"}\nscene: {start: {x: 0, x': 10}, until: 0.2}\n",
+    );
+    assert!((zone.run().last()["x'"] - 102.0_f64.sqrt()).abs() < 1e-6);
+}
+
+/// What is set where x rises through 0 is of what was before, and not of what rounding makes of x there; what does not jump is that of the instant.
+#[test]
+fn values_that_jump_at_an_event_are_set_as_they_were_before() {
+    let text = "name: Before\ncoordinates: {x: }\nmemory: {u: 5, v: 5, w: 5, s: 5}\nkinetic_energy: x'^2/2\n\
+                generalized_forces: {x: \"-0.1*sign(x)\"}\nevents:\n  r: {when: x, direction: rising, \
+                then: {set: {u: sign(x), v: step(x), w: abs(x) + t, s: x'}}}\n\
+                scene: {start: {x: -0.1, x': 0.3}, until: 1}\n";
+    for (method, step) in [(Method::Auto, None), (Method::Dop853, None), (Method::Rk4, Some(0.01))] {
+        let mut case = case(text);
+        (case.settings.method, case.settings.step) = (method, step);
+        let run = case.run();
+        let (last, at) = (run.last(), run.events[0].state.t);
+        assert_eq!((last["u"], last["v"]), (-1.0, 0.0), "{method:?}");
+        assert!((last["w"] - at).abs() < 1e-12 && (last["s"] - run.events[0].state["x'"]).abs() == 0.0, "{method:?}");
+    }
+}

@@ -89,7 +89,8 @@ const OPEN: f64 = 1e-13;
 const REST: f64 = 1e-12;
 
 impl EventLocator {
-    /// A locator for the motion from `from` to `until`, that cuts steps at others than the usual places if `decorrelate_steps`; `None`
+    /// A locator for the motion from `from` to `until`, that cuts steps at others than the usual places, and lets stop times come a
+    /// rounding early, if `decorrelate_steps`; `None`
     /// if there is nothing to watch.
     ///
     /// # Errors
@@ -110,7 +111,7 @@ impl EventLocator {
         let events = description.events.len();
         let mut sampler = Sampler::new(system);
         let mut arguments = Arguments::new(system);
-        let stops = Stops::new(system, (&mut sampler, &mut arguments), (from, until), y)?;
+        let stops = Stops::new(system, (&mut sampler, &mut arguments), (from, until), y, decorrelate_steps)?;
         let mut scanner = Scanner::new(system, &sampler);
         // Those that happen at ticks, or when something was set, have no function.
         let has_function = |event: &usize| *system.sampling().trigger(*event) == Trigger::Zero;
