@@ -22,6 +22,8 @@ pub(crate) struct Projection {
     delta: Vec<f64>,
     right: Vec<f64>,
     norms: Vec<f64>,
+    /// The largest sizes of the entries of J, row by row.
+    entries: Vec<f64>,
     /// The largest Σ |terms| that each row has had: where it vanishes its terms may too.
     scales: Vec<f64>,
     last: Residuals,
@@ -87,6 +89,7 @@ impl Projection {
             delta: vec![0.0; system.len()],
             right: Vec::with_capacity(rows),
             norms: vec![0.0; rows],
+            entries: vec![0.0; rows * system.len()],
             scales: vec![0.0; rows],
             last: Residuals::default(),
             worst: Residuals::default(),
@@ -173,8 +176,11 @@ impl Projection {
     /// Factors M and J at a place, and notes how large the rows are.
     fn factor<S: System + ?Sized>(&mut self, system: &S, place: At<'_>) -> Result<(), Singular> {
         self.form.factor(system, place)?;
-        for (row, norm) in self.form.active().iter().zip(self.form.norms()) {
+        let n = system.len();
+        for ((row, norm), entries) in self.form.active().iter().zip(self.form.norms()).zip(self.form.entries()) {
             self.norms[*row] = self.norms[*row].max(*norm);
+            let largest = self.entries[row * n..][..n].iter_mut();
+            largest.zip(entries).for_each(|(largest, entry)| *largest = largest.max(entry.abs()));
         }
         Ok(())
     }
@@ -311,6 +317,11 @@ impl Projection {
     /// The largest norms that the rows have had.
     pub fn norms(&self) -> &[f64] {
         &self.norms
+    }
+
+    /// The largest sizes that the entries of J have had, row by row.
+    pub fn entries(&self) -> &[f64] {
+        &self.entries
     }
 
     /// The largest residuals there were after projecting.

@@ -60,7 +60,8 @@ impl Integration {
         projection.observe(system, self.clock.now(), self.stepper.start().y);
         projection.hold(system, self.clock.now(), self.stepper.start().y);
         if let Some(history) = system.row_history_mut() {
-            *history = RowHistory { norms: projection.norms().to_vec(), ..RowHistory::default() };
+            let (norms, entries) = (projection.norms().to_vec(), projection.entries().to_vec());
+            *history = RowHistory { norms, entries, ..RowHistory::default() };
         }
         Ok(())
     }
@@ -83,6 +84,8 @@ impl Integration {
         if let Some(history) = system.row_history_mut() {
             history.norms.clear();
             history.norms.extend_from_slice(projection.norms());
+            history.entries.clear();
+            history.entries.extend_from_slice(projection.entries());
             history.last = projection.nearly_dependent_rows(usual);
         }
         if deficient.is_none() && projection.is_nearly_singular() {

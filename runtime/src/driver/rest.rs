@@ -3,6 +3,7 @@
 use super::noise::by_terms;
 use super::{Integration, StepPolicy};
 use crate::integrate::{AtRest, PERTURBATION};
+use crate::mechanism::dense::sizes_alike;
 use crate::mechanism::{Action, At, System};
 use crate::trust::all_rates;
 
@@ -10,6 +11,9 @@ use crate::trust::all_rates;
 const EXPLAINED: f64 = 16.0;
 /// What grows by less than e to this power until the end, and what swings by fewer radians, is neutral.
 const NEUTRAL: f64 = 1.0;
+
+/// Forces of which rounding would move the equilibrium by more than this part of the places are not known to vanish in it.
+const UNKNOWN: f64 = 1e-6;
 
 impl Integration {
     /// Goes on with the method where the mechanism was held at rest: something was changed.
@@ -64,6 +68,13 @@ impl Integration {
         let Some(rates) = all_rates(system, now, q, v) else { return false };
         let span = self.until - now;
         if rates.iter().any(|rate| rate.re * span > NEUTRAL) {
+            return false;
+        }
+        // What brings it back least strongly, 1/s².
+        let swings = rates.iter().map(|rate| rate.norm()).filter(|rate| rate * span > NEUTRAL);
+        let stiffness = swings.fold(f64::INFINITY, f64::min).powi(2);
+        let sizes = sizes_alike(description, q);
+        if (0..n).any(|i| sizes[i] > 0.0 && noise(i) > UNKNOWN * stiffness * sizes[i]) {
             return false;
         }
         // Constraints hold what has no eigenvalue of its own.  Where nothing brings it back a force as small as one rounding of its terms may be meant.

@@ -296,7 +296,7 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
         if let Some(system) = self.derivation.filter(|balances| !self.phased.is_determined(self, *balances)) {
             return self.by_balances(system, at, |unknowns| a.copy_from_slice(&unknowns[..N]));
         }
-        if C > 0 && !self.active_rows().is_empty() {
+        if C > 0 && !self.active_rows().is_empty() || self.phased.disturbance != 0.0 {
             return self.phased.accelerations_and_multipliers(self, at, a, &mut [0.0; C]);
         }
         self.free(at.t, array(at.q), array(at.v), array_mut(a))
@@ -306,13 +306,16 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
         assert!(y.len() == 2 * N && rate.len() == 2 * N, "{WIDTH}");
         let ((q, v), (speeds, a)) = (y.split_at(N), rate.split_at_mut(N));
         speeds.copy_from_slice(v);
-        if C > 0 || self.derivation.is_some() || !self.sliding.is_empty() {
+        if C > 0 || self.derivation.is_some() || !self.sliding.is_empty() || self.phased.disturbance != 0.0 {
             return self.accelerations(At::new(t, q, v), a);
         }
         self.free(t, array(q), array(v), array_mut(a))
     }
 
     fn part_accelerations(&self, part: usize, at: At<'_>, a: &mut [f64]) -> Result<(), Singular> {
+        if self.phased.disturbance != 0.0 {
+            return self.accelerations(at, a);
+        }
         let u = self.input_block(at.t);
         let (q, v) = (array(at.q), array(at.v));
         Ok(M::part_accelerations(&self.constants, part, at.t, u.as_ref(), q, v, array_mut(a))?)
@@ -420,6 +423,7 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
 
     fn bias(&self, at: At<'_>, h: &mut [f64]) {
         M::bias(&self.constants, at.t, self.input_block(at.t).as_ref(), array(at.q), array(at.v), array_mut(h));
+        self.phased.disturb(self, at, h);
     }
 
     fn residual(&self, at: At<'_>, f: &mut [f64]) {
@@ -427,6 +431,7 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
             return sliding::resolved(self, at).residual(at, f);
         }
         at_state!(self.residual, at, array(at.a), array_mut(f));
+        self.phased.disturb(self, at, f);
     }
 
     fn jacobians(&self, at: At<'_>, dq: &mut [f64], dv: &mut [f64]) {
@@ -447,6 +452,13 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
 
     fn magnitudes(&self, at: At<'_>, sums: &mut [f64]) {
         at_state!(self.magnitudes, at, array(at.a), sums);
+    }
+
+    fn force_errors(&self, at: At<'_>, errors: &mut [f64]) {
+        let mut values = [Dual::constant(0.0); N];
+        let still = At::new(at.t, at.q, at.v);
+        DualState::<M, N, C>::new(self, still).evaluate(Function::Residual, &mut values);
+        errors.iter_mut().zip(values).for_each(|(error, value)| *error = value.error());
     }
 
     fn energy(&self, at: At<'_>) -> Energy {

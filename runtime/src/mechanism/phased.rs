@@ -10,6 +10,9 @@ use super::{At, Energy, Enforcement, KktSolver, Singular, System, rows_in_force}
 pub struct RowHistory {
     /// The largest √(J_k M⁻¹ J_kᵀ) that each row has had, to tell negligible rows by.
     pub norms: Vec<f64>,
+    /// The largest size that each entry of J has had, all coordinates of a row one after the other: a row of which one entry is as large as it
+    /// ever was does not vanish, however heavy that coordinate is.
+    pub entries: Vec<f64>,
     /// The multipliers of all rows where the rows were last as independent as they usually are: rows that cease to count
     /// near a singular position keep them meanwhile.
     pub multipliers: Vec<f64>,
@@ -28,6 +31,8 @@ pub(super) struct Phased {
     pub enforcement: Enforcement,
     /// Baumgarte's α, 1/s; 0: none.
     pub alpha: f64,
+    /// By how many times their rounding forces are wrong; 0: as they are.
+    pub disturbance: f64,
     /// Nobody waits for it: whoever evaluates in parallel has a mechanism of its own.
     form: Mutex<KktSolver>,
 }
@@ -75,6 +80,10 @@ macro_rules! shared_by_systems {
             (self.phased.enforcement, self.phased.alpha) = (by, alpha);
         }
 
+        fn disturb_forces(&mut self, times: f64) {
+            self.phased.disturbance = times;
+        }
+
         fn signal(&self, index: usize) -> Option<&Signal> {
             self.signals.get(index)?.as_ref()?.signal()
         }
@@ -117,6 +126,7 @@ impl Clone for Phased {
             history: self.history.clone(),
             enforcement: self.enforcement,
             alpha: self.alpha,
+            disturbance: self.disturbance,
             form: Mutex::default(),
         }
     }
@@ -141,6 +151,17 @@ impl Phased {
         let belongs = description.balances.get(balances).is_some_and(|of| of.phases.contains(&(self.phase as u32)));
         let phase = description.phases.get(self.phase);
         belongs && phase.is_some_and(|phase| phase.rank as usize >= system.len())
+    }
+
+    /// Adds to h or F by how much forces are wrong at a state.
+    pub fn disturb<S: System + ?Sized>(&self, system: &S, at: At<'_>, forces: &mut [f64]) {
+        if self.disturbance == 0.0 {
+            return;
+        }
+        let mut errors = vec![0.0; forces.len()];
+        system.force_errors(at, &mut errors);
+        let times = [self.disturbance, -self.disturbance].into_iter().cycle();
+        forces.iter_mut().zip(errors).zip(times).for_each(|((force, error), times)| *force += times * error);
     }
 
     /// Accelerations and multipliers; where rows depend on each other the least multipliers.

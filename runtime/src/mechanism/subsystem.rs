@@ -284,6 +284,14 @@ impl System for OfPart {
         Scene { q: own(&scene.q), v: own(&scene.v), held_q: Vec::new(), held_v: Vec::new(), ..scene }
     }
 
+    fn force_errors(&self, at: At<'_>, errors: &mut [f64]) {
+        self.pick(at, (self.size, &self.coordinates), errors, |whole, at, all| whole.force_errors(at, all));
+    }
+
+    fn disturb_forces(&mut self, times: f64) {
+        self.whole.disturb_forces(times);
+    }
+
     fn boxed_clone(&self) -> Box<dyn System> {
         Box::new(OfPart {
             whole: self.whole.boxed_clone(),

@@ -287,6 +287,14 @@ pub trait System: Send + Sync {
         }
     }
 
+    /// What rounding may have made of each component of h, n numbers: where forces cancel each other it is much beside them.
+    ///
+    /// Hand-written systems have half a unit in the last place of their [`System::magnitudes`].
+    fn force_errors(&self, at: At<'_>, errors: &mut [f64]) {
+        self.magnitudes(at.accelerated(&vec![0.0; errors.len()]), errors);
+        errors.iter_mut().for_each(|error| *error *= 0.5 * f64::EPSILON);
+    }
+
     /// Kinetic and potential energy, and what the energy balance needs.
     fn energy(&self, at: At<'_>) -> Energy;
 
@@ -448,6 +456,12 @@ pub trait System: Send + Sync {
     /// back to Lagrange's equations.  A system that is not there changes nothing.
     fn set_derivation(&mut self, system: Option<usize>) {
         let _ = system;
+    }
+
+    /// Lets h and F be wrong from now on, by so many times their [`System::force_errors`], up in one coordinate and down in the next: what such a
+    /// run differs by tells what the rounding of forces does. 0: as they are.
+    fn disturb_forces(&mut self, times: f64) {
+        let _ = times;
     }
 
     /// A copy on the heap, for running several at once.

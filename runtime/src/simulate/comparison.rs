@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use nalgebra::DMatrix;
 
+use super::cancelling_forces;
 use super::close_calls::close_calls;
 use super::flat::widen_flat_events;
 use super::rounded_parameters::moved_parameters;
@@ -227,6 +228,11 @@ fn comparison(
     progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Option<ComparisonRun> {
     let mut other = alike(system, settings, run);
+    let disturbed = cancelling_forces::cancel(system, run);
+    if disturbed && run.method == Method::Taylor {
+        // The series are those of forces as they are.
+        other.method = Method::Dop853;
+    }
     let power = if distance == Distance::Far { 2 } else { 1 };
     let times = if distance == Distance::Far { 3.0 } else { 2.0 };
     other.followed = followed(system, settings, run, COARSER.powi(power));
@@ -237,7 +243,7 @@ fn comparison(
             other.tolerance
         }
     };
-    let coarser = ran(system, &other, run, progress)?;
+    let coarser = ran(system, &other, run, disturbed, progress)?;
     let follows = other.followed.is_some();
     let fixed = settings.step.is_some() || !run.method.adapts_to(&system.description().structure);
     let shared = coarser.work.steps as f64 > SHARED * run.work.steps as f64;
@@ -246,7 +252,7 @@ fn comparison(
     }
     let even = (settings.until - settings.from) / run.work.steps as f64;
     let policy = *other.step.insert(settings.step.map_or(even, |step| step.min(even)) / times);
-    Some(ComparisonRun { policy, finer: true, follows, run: ran(system, &other, run, progress)? })
+    Some(ComparisonRun { policy, finer: true, follows, run: ran(system, &other, run, disturbed, progress)? })
 }
 
 /// The steps of a run, to be followed by one whose errors are so many times as large; `None` where more than the tolerance chose them.
@@ -257,13 +263,14 @@ fn followed(system: &dyn System, settings: &Settings, run: &Run, coarser: f64) -
     Followed::new(&run.step_ends, stretch).filter(|_| chosen)
 }
 
-/// The run with parameters moved by rounding, or what there is of it; `None` if it was interrupted.
+/// The run with parameters moved by rounding and maybe forces wrong by theirs, or what there is of it; `None` if it was interrupted.
 ///
-/// Both runs would share what the rounding of parameters makes of forces that cancel each other.
+/// Both runs would share what rounding makes of forces that cancel each other.
 fn ran(
     system: &mut dyn System,
     settings: &Settings,
     run: &Run,
+    disturbed: bool,
     progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Option<Run> {
     let parameters = system.parameters();
@@ -272,7 +279,9 @@ fn ran(
     };
     let moved = moved_parameters(system, settings);
     set(system, &mut moved.into_iter());
+    system.disturb_forces(f64::from(u8::from(disturbed)));
     let outcome = simulate_with(system, settings, progress);
+    system.disturb_forces(0.0);
     set(system, &mut parameters.iter().copied());
     let mut other = match outcome {
         Ok(run) => run,

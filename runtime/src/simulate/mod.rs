@@ -10,6 +10,7 @@
 mod auto;
 mod builder;
 mod by_hand;
+mod cancelling_forces;
 mod close_calls;
 mod comparison;
 mod decoupled;

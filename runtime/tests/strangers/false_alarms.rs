@@ -193,3 +193,22 @@ fn limits_of_friction_may_jump_and_vanish() {
     let Err(error) = case(&block("-2*abs(x)", "-10*x", "{x: 1}")).try_run() else { panic!("it drives") };
     assert!(error.to_string().contains("negative limit"), "{error}");
 }
+
+/// A row of which one entry is as large as ever does not vanish, however heavy that coordinate is, and however small the others have become.
+#[test]
+fn rows_of_heavy_coordinates_are_no_singular_positions() {
+    // x slides down y = x^2/2, past the place where the light coordinate is of no use: y from 1/2 to 0 as M pulls.
+    let text = |mass: &str, until: &str| {
+        format!(
+            "name: Wire\nparameters: {{M: {mass}, g: 9.81}}\ncoordinates: {{x: , y: }}\nkinetic_energy: x'^2/2 + M*y'^2/2\n\
+             potential_energy: M*g*y\nconstraints: {{w: y - x^2/2}}\nscene: {{start: {{x: 1, y: 0.5}}, until: {until}, tolerance: 1e-9}}\n"
+        )
+    };
+    for mass in ["1", "1e6", "1e8", "1e12"] {
+        let run = case(&text(mass, "0.5")).run();
+        assert!(run.warnings.is_empty(), "{mass}: {:?}", run.warnings);
+        let (last, m) = (run.last(), mass.parse::<f64>().expect("a number"));
+        let energy = 0.5 * (last["x'"].powi(2) / m + last["y'"].powi(2)) + 9.81 * last["y"];
+        assert!((energy - 0.5 * 9.81).abs() < 1e-6 && (last["y"] - 0.5 * last["x"].powi(2)).abs() < 1e-9, "{mass}");
+    }
+}

@@ -186,3 +186,27 @@ fn an_end_at_a_reported_time_keeps_its_digits() {
         assert!(run.digits("x") >= Some(9), "from {tenth}/10: {:?}", run.digits("x"));
     }
 }
+
+/// Rounding of forces that cancel each other is the same in both runs: no more digits are promised than it leaves.
+#[test]
+fn forces_that_cancel_leave_the_digits_that_they_have() {
+    let judged = |law: &str, start: &str| {
+        judged(&format!(
+            "name: Cancel\nparameters: {{g: 9.81, c: 1e-9, e: 1e-9}}\ncoordinates: {{x: }}\nkinetic_energy: x'^2/2\n{law}\n\
+             scene: {{start: {{x: {start}}}, until: 5}}\n"
+        ))
+    };
+    let error = |run: &Run| run.errors("x").map_or(f64::NAN, |errors| errors[errors.len() - 1]);
+    // e t^2/2, since cos differs from 1 by less than 1e-25.
+    let small = judged("generalized_forces: {x: g*cos(c*x) - g + e}", "0");
+    let x = 1e-9 * 12.5;
+    assert!((small.last()["x"] - x).abs() <= error(&small) && error(&small) < 1e-4 * x, "{}", error(&small));
+    // V = 1/2 - x^2/24: 1e-4 cosh(5/sqrt(12)), of which rounding leaves nothing.
+    let hill = judged("potential_energy: (1 - cos(x))/x^2", "1e-4");
+    assert!(error(&hill) > 1e-5, "{}", error(&hill));
+    let still = judged("potential_energy: (1 - cos(x))/x^2", "1e-5");
+    assert!(error(&still) > 1e-6, "{}", error(&still));
+    // What hangs still has all its digits.
+    let hangs = judged("potential_energy: g*x + 3*x^2/2", "-9.81/3");
+    assert!(hangs.digits("x").is_some_and(|digits| digits >= 14), "{:?}", hangs.digits("x"));
+}

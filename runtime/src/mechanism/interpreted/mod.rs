@@ -193,7 +193,7 @@ impl System for Interpreted {
             a.copy_from_slice(&unknowns?[..a.len()]);
             return Ok(());
         }
-        if !self.active_rows().is_empty() {
+        if !self.active_rows().is_empty() || self.phased.disturbance != 0.0 {
             let mut lambda = vec![0.0; self.description.rows.len()];
             return self.phased.accelerations_and_multipliers(self, at, a, &mut lambda);
         }
@@ -202,6 +202,9 @@ impl System for Interpreted {
     }
 
     fn part_accelerations(&self, part: usize, at: At<'_>, a: &mut [f64]) -> Result<(), Singular> {
+        if self.phased.disturbance != 0.0 {
+            return self.accelerations(at, a);
+        }
         let u = self.input_values(at.t);
         let computed = self.interpreter.part_accelerations(part, with_inputs(at, &u), a);
         computed.map_err(|coordinate| SingularMass { coordinate }.into())
@@ -294,10 +297,12 @@ impl System for Interpreted {
     }
 
     fn bias(&self, at: At<'_>, h: &mut [f64]) {
-        if !self.is_unformed() {
-            return self.evaluate(Function::Bias, at, h);
+        if self.is_unformed() {
+            self.evaluate(Function::Residual, at.accelerated(&vec![0.0; h.len()]), h);
+        } else {
+            self.evaluate(Function::Bias, at, h);
         }
-        self.evaluate(Function::Residual, at.accelerated(&vec![0.0; h.len()]), h);
+        self.phased.disturb(self, at, h);
     }
 
     fn residual(&self, at: At<'_>, f: &mut [f64]) {
@@ -305,6 +310,7 @@ impl System for Interpreted {
             return sliding::resolved(self, at).residual(at, f);
         }
         self.evaluate(Function::Residual, at, f);
+        self.phased.disturb(self, at, f);
     }
 
     fn jacobians(&self, at: At<'_>, dq: &mut [f64], dv: &mut [f64]) {
@@ -334,6 +340,12 @@ impl System for Interpreted {
 
     fn magnitudes(&self, at: At<'_>, sums: &mut [f64]) {
         self.evaluate(Function::Magnitudes, at, sums);
+    }
+
+    fn force_errors(&self, at: At<'_>, errors: &mut [f64]) {
+        let (u, still) = (self.input_values(at.t), vec![0.0; errors.len()]);
+        let at = At::new(at.t, at.q, at.v).accelerated(&still);
+        slopes::errors(&self.interpreter, Function::Residual, with_inputs(at, &u), errors);
     }
 
     fn energy(&self, at: At<'_>) -> Energy {
@@ -374,7 +386,7 @@ impl System for Interpreted {
 
     fn output_errors(&self, at: At<'_>, errors: &mut [f64]) {
         let u = self.input_values(at.t);
-        slopes::output_errors(&self.interpreter, with_inputs(at, &u), errors);
+        slopes::errors(&self.interpreter, Function::Outputs, with_inputs(at, &u), errors);
     }
 
     fn events(&self, at: At<'_>, pairs: &mut [f64]) {

@@ -100,14 +100,15 @@ pub(super) fn output_slopes(interpreter: &Interpreter, at: interpret::At<'_>, si
     }
 }
 
-/// Fills [`System::output_errors`](crate::mechanism::System::output_errors).
-pub(super) fn output_errors(interpreter: &Interpreter, at: interpret::At<'_>, errors: &mut [f64]) {
+/// What rounding may have made of each number of a function: [`System::output_errors`](crate::mechanism::System::output_errors) and
+/// [`System::force_errors`](crate::mechanism::System::force_errors).
+pub(super) fn errors(interpreter: &Interpreter, function: Function, at: interpret::At<'_>, errors: &mut [f64]) {
     let mut values = vec![Dual::constant(0.0); errors.len()];
     let value = |symbol: Symbol| match symbol {
         Symbol::Parameter(_) => Dual::rounded(interpreter.value(symbol, at)),
         _ => Dual::constant(interpreter.value(symbol, at)),
     };
-    interpreter.evaluate_in(Function::Outputs, value, &mut values);
+    interpreter.evaluate_in(function, value, &mut values);
     errors.iter_mut().zip(values).for_each(|(error, value)| *error = value.error());
 }
 

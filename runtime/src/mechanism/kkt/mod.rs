@@ -13,6 +13,7 @@ mod null_space;
 mod rows;
 mod slopes;
 
+use super::phased::RowHistory;
 use super::{At, Singular, SingularMass, System};
 use super::{factor_packed, rows_in_force, substitute_back, substitute_forward};
 pub(crate) use null_space::Solutions;
@@ -89,6 +90,11 @@ impl KktSolver {
     /// √(J_k M⁻¹ J_kᵀ) of the active rows, or the largest there were before.
     pub fn norms(&self) -> &[f64] {
         &self.norms
+    }
+
+    /// The entries of J of the active rows, row by row.
+    pub fn entries(&self) -> impl Iterator<Item = &[f64]> {
+        self.rows.chunks_exact(self.n.max(1))
     }
 
     /// Takes M and J at a place and factors them.
@@ -172,9 +178,7 @@ impl KktSolver {
         for line in self.half.chunks_exact_mut(self.n.max(1)) {
             substitute_forward(&self.mass, line);
         }
-        let (norms, last) =
-            system.row_history().map_or((&[][..], &[][..]), |history| (&history.norms[..], &history.last[..]));
-        self.choose_rows(norms, lengths, last);
+        self.choose_rows(system.row_history().unwrap_or(&RowHistory::default()), lengths);
     }
 
     /// How many of the rows in force are independent elsewhere.

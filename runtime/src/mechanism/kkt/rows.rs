@@ -3,10 +3,13 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::{KktSolver, weighted};
+use crate::mechanism::phased::RowHistory;
 use crate::mechanism::{Singular, System};
 
 /// A row whose pivot, its distance from the rows before it, is below this part of its largest norm is left out.
 const WEAK: f64 = 1e-3;
+/// A row that keeps less than this of its largest norm is asked for its entries.
+const FADED: f64 = 0.3;
 /// With more rows than this ordinary pivots are smaller: a straight chain of m rods has 1.1/m.
 const MANY: f64 = 8.0;
 /// Friction that leaves this part of a pivot, or less, lets the reaction grow without bound.
@@ -50,9 +53,20 @@ impl KktSolver {
         (0..usual).map(|k| self.schur[k * m + k]).fold(1.0, f64::min)
     }
 
+    /// Which part of its largest norm a row has kept, this one and the largest before being given; of an entry of J that has become no smaller all.
+    fn kept_of(&self, k: usize, (norm, largest): (f64, f64), entries: &[f64]) -> f64 {
+        let kept = if largest > norm { norm / largest } else { 1.0 };
+        if kept > FADED {
+            return kept;
+        }
+        let known = entries.iter().skip(self.active[k] * self.n);
+        let of_entries = self.rows[k * self.n..][..self.n].iter().zip(known).filter(|(_, largest)| **largest > 0.0);
+        of_entries.map(|(entry, largest)| (entry.abs() / largest).min(1.0)).fold(kept, f64::max)
+    }
+
     /// Pivoted Cholesky of S, scaled by the largest norms before, or such that rows have these lengths; the pivots of some rows are
     /// chosen last.
-    pub(super) fn choose_rows(&mut self, before: &[f64], lengths: Option<&[f64]>, last: &[usize]) {
+    pub(super) fn choose_rows(&mut self, history: &RowHistory, lengths: Option<&[f64]>) {
         let (n, m) = (self.n, self.active.len());
         for k in 0..m {
             for l in 0..=k {
@@ -61,9 +75,10 @@ impl KktSolver {
                 self.schur[l * m + k] = s;
             }
             let norm = self.schur[k * m + k].max(0.0).sqrt();
-            let largest = before.get(self.active[k]).copied().unwrap_or(0.0);
+            let largest = history.norms.get(self.active[k]).copied().unwrap_or(0.0);
             self.norms[k] = match lengths.map(|lengths| lengths[k]) {
-                None => largest.max(norm),
+                None if norm > 0.0 => norm / self.kept_of(k, (norm, largest), &history.entries),
+                None => largest,
                 Some(length) if length > 0.0 => norm / length,
                 Some(_) => 0.0,
             };
@@ -80,7 +95,7 @@ impl KktSolver {
         (self.rank, self.weakest) = (m, 1.0);
         for k in 0..m {
             let size = |place: usize| self.schur[place * m + place].max(0.0).sqrt();
-            let waits = |place: usize| size(place) <= weak || last.contains(&self.active[self.order[place]]);
+            let waits = |place: usize| size(place) <= weak || history.last.contains(&self.active[self.order[place]]);
             let rated = |place: usize| (!waits(place), size(place));
             let better = |a: &usize, b: &usize| {
                 let (a, b) = (rated(*a), rated(*b));
