@@ -36,6 +36,11 @@ const CLOSED: f64 = 1e-14;
 const STATIONARY: f64 = 1e-6;
 /// Levenberg and Marquardt's iterations at most.
 const ITERATIONS: usize = 500;
+/// Newton's method goes on from what is known to this part of itself, by so many steps at the most, and for no more coordinates than these: each
+/// has its own evaluation of ∂c'/∂q, and the matrix is solved as a whole.
+const APPROACHED: f64 = 1e-3;
+const NEWTON: u32 = 8;
+const MOST_NEWTON: usize = 100;
 /// Rows whose least singular value, scaled, is below this depend on each other.
 const SINGULAR: f64 = 1e-6;
 
@@ -52,6 +57,7 @@ pub(crate) fn consistent<S: System + ?Sized>(system: &S, start: &Start<'_>) -> R
     if !closing.rows.is_empty() {
         closing.close(&mut y)?;
         closing.nearest(&mut y);
+        closing.nearest_to_rounding(&mut y);
         closing.judge(&y)?;
         closing.speeds(&mut y)?;
     }
@@ -285,6 +291,63 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
                 None => break,
             }
         }
+    }
+
+    /// Goes on to the nearest point by Newton's method: distances tell it to the root of rounding only.
+    fn nearest_to_rounding(&self, y: &mut [f64]) {
+        if self.free.is_empty() || self.holonomic.is_empty() || self.free.len() > MOST_NEWTON {
+            return;
+        }
+        let mut last = f64::INFINITY;
+        for _ in 0..NEWTON {
+            let Some(step) = self.newton_step(y) else { return };
+            let place = self.free.iter().map(|i| y[*i] * y[*i]).sum::<f64>().sqrt();
+            let size = step.norm();
+            if size.is_nan() || size > APPROACHED * place || size > 0.5 * last {
+                return;
+            }
+            let mut tried = y.to_vec();
+            self.free.iter().zip(step.iter()).for_each(|(i, s)| tried[*i] += s);
+            if self.close(&mut tried).is_err() {
+                return;
+            }
+            y.copy_from_slice(&tried);
+            last = size;
+        }
+    }
+
+    /// The step δ with (1 + Σ λ_k ∂²c_k/∂q²) δ + Jᵀ μ = guess − q and J δ = −c, where Jᵀ λ is what of guess − q leads off the constraints; `None`
+    /// at the guess itself.
+    fn newton_step(&self, y: &[f64]) -> Option<DVector<f64>> {
+        let (f, r) = (self.free.len(), self.holonomic.len());
+        let pull = DVector::from_iterator(f, self.free.iter().map(|i| self.guess[*i] - y[*i]));
+        if pull.iter().all(|pull| *pull == 0.0) {
+            return None;
+        }
+        let a = self.jacobian(y, &self.holonomic).select_columns(&self.free);
+        let lambda = solve_least(&a.transpose(), &DMatrix::from_column_slice(f, 1, pull.as_slice()))?;
+        let mut k = DMatrix::zeros(f + r, f + r);
+        k.view_mut((0, f), (f, r)).copy_from(&a.transpose());
+        k.view_mut((f, 0), (r, f)).copy_from(&a);
+        // ∂²c/∂q∂q_i is how ∂c'/∂q changes with the speed of i.
+        let mut speeds = vec![0.0; self.n];
+        let rates = |speeds: &[f64]| {
+            let state = [&y[..self.n], speeds].concat();
+            constraint_rate_jacobian(self.system, At::packed(self.t, &state, self.n), &self.holonomic)
+                .select_columns(&self.free)
+        };
+        let still = rates(&speeds);
+        for (row, i) in self.free.iter().enumerate() {
+            speeds[*i] = 1.0;
+            let bent = (rates(&speeds) - &still).transpose() * &lambda;
+            speeds[*i] = 0.0;
+            (0..f).for_each(|column| k[(row, column)] = bent[column]);
+            k[(row, row)] += 1.0;
+        }
+        let (c, _) = self.residual(y);
+        let right = DMatrix::from_iterator(f + r, 1, pull.iter().copied().chain(c.iter().map(|c| -c)));
+        let solution = solve_least(&k, &right)?;
+        Some(solution.rows(0, f).column(0).into_owned())
     }
 
     /// Speeds that are not held: those of least kinetic energy among all that the constraints allow.

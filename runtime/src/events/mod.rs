@@ -38,7 +38,6 @@ pub use impulse::Impulse;
 pub(crate) use impulse::gained;
 pub(crate) use locator::{EventLocator, Fired, Interruption, Switched};
 pub(crate) use modes::OwnedSegment;
-#[cfg(feature = "interpret")]
 pub(crate) use modes::mode as switch_mode;
 pub(crate) use modes::text as switch_text;
 pub(crate) use root::{Around, locate};

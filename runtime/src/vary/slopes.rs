@@ -7,6 +7,7 @@ use super::second::{Second, second};
 use super::start::{self, Start};
 use super::{NoSlopes, Unknown};
 use crate::error::Error;
+use crate::events::{switch_mode, switch_text};
 use crate::mechanism::{Along, At, Enforcement, Function, Stabilisation, System};
 use crate::run::{Names, Run, Side};
 use crate::simulate::{Origin, Settings, Simulation, settled, simulate};
@@ -232,9 +233,44 @@ fn starts(
             NoSlopes::HeldStart { constraint, .. } => NoSlopes::HeldStart { unknown: k.to_string(), constraint },
             why => why,
         })?;
+        leaves_no_surface(system, side, &y, unknown.parameter())?;
         Ok(Column { y, parameter: unknown.parameter(), size: size(system, run, *unknown) })
     };
     unknowns.iter().enumerate().map(column).collect()
+}
+
+/// Refuses a start on a surface where forces jump that what is unknown moves off it: the motions on the two sides change otherwise.
+fn leaves_no_surface(
+    system: &dyn System,
+    side: &Side,
+    column: &[f64],
+    parameter: Option<usize>,
+) -> Result<(), NoSlopes> {
+    let (n, count) = (system.len(), system.description().switches.len());
+    let still = vec![0.0; n];
+    let at = At::packed(side.t, &side.y, n).accelerated(&still);
+    let (mut pairs, mut moved) = (vec![0.0; 2 * count], vec![0.0; 2 * count]);
+    system.switches(at, &mut pairs);
+    let along = Along { q: &column[..n], v: &column[n..], parameter, ..Along::default() };
+    system.slopes(Function::Switches, at, &along, &mut moved);
+    let mut flipped = system.boxed_clone();
+    let mut forces = |modes: &[f64]| {
+        let mut forces = still.clone();
+        flipped.set_modes(modes);
+        flipped.residual(at, &mut forces);
+        forces
+    };
+    for switch in (0..count).filter(|k| pairs[2 * k] == 0.0 && moved[2 * k] != 0.0) {
+        let mut modes = side.modes.clone();
+        let sides = [1.0, -1.0].map(|to| {
+            modes[switch] = switch_mode(system, switch, to);
+            forces(&modes)
+        });
+        if sides[0] != sides[1] {
+            return Err(NoSlopes::Touches { t: side.t, event: switch_text(system, switch) });
+        }
+    }
+    Ok(())
 }
 
 /// How large something unknown is; of what is 0 at the start, how large it becomes; 1 of what stays 0.

@@ -67,9 +67,44 @@ pub(super) fn column(system: &dyn System, start: &Start<'_>, unknown: Unknown) -
         held[k] = true;
     }
     let change = Change { asked: &asked, held: &held, parameter };
-    let mut column = places(system, start, &rows, &change)?;
+    let lengths = Lengths::new(system, start, &held);
+    let mut column = places(system, &Start { y: &lengths.nearest, ..*start }, &rows, &change)?;
+    lengths.keep(start, &asked, &mut column);
     speeds(system, start, &rows, &change, &mut column)?;
     Ok(column)
+}
+
+/// Rotations that nothing holds: the start gives them the lengths of the guess once the nearest place is found.
+struct Lengths {
+    /// The first coordinate of each.
+    rotations: Vec<usize>,
+    /// [q; q'] with the lengths of the nearest place: no constraint depends on them, so that it is as far from the guess as from the origin.
+    nearest: Vec<f64>,
+}
+
+impl Lengths {
+    fn new(system: &dyn System, start: &Start<'_>, held: &[bool]) -> Self {
+        let mut nearest = start.y.to_vec();
+        let all = system.description().rotations.iter().map(|first| *first as usize);
+        let rotations: Vec<usize> = all.filter(|first| !held[*first..first + 4].contains(&true)).collect();
+        for &first in &rotations {
+            let [q, guess] = [start.y, start.guess].map(|y| DVector::from_column_slice(&y[first..first + 4]));
+            let scaled = &q * (q.dot(&guess) / q.norm_squared());
+            nearest[first..first + 4].copy_from_slice(scaled.as_slice());
+        }
+        Lengths { rotations, nearest }
+    }
+
+    /// Makes slopes of the nearest place those of the start: what leads along a rotation is that of the guess's length.
+    fn keep(&self, start: &Start<'_>, asked: &[f64], column: &mut [f64]) {
+        for &first in &self.rotations {
+            let of = |y: &[f64]| DVector::from_column_slice(&y[first..first + 4]);
+            let (q, nearest, guess) = (of(start.y), of(&self.nearest), of(start.guess));
+            let turned = of(column) * (q.norm() / nearest.norm());
+            let along = guess.dot(&of(asked)) / guess.norm() / q.norm() - q.dot(&turned) / q.norm_squared();
+            column[first..first + 4].copy_from_slice((turned + &q * along).as_slice());
+        }
+    }
 }
 
 /// δq of the place nearest to the guess: of q − q₀ + Jᵀ μ = 0 in what is free and c = 0, the slopes

@@ -22,6 +22,7 @@ mod reactions;
 mod rotations;
 mod second_runs;
 mod slow;
+mod starts;
 mod strikes;
 mod surfaces;
 mod units;

@@ -27,10 +27,14 @@ use super::candidate::Departures;
 use super::least_steps::{BALANCED, Rest};
 use crate::linear::matrices::Eigen;
 use crate::linear::{LinearError, expm, short};
+use crate::matrix::svd;
 use crate::mechanism::{Action, Along, System, Target, Trigger, rate_name};
 
 /// An eigenvalue with this part of a half turn a period, or more, may be one of a faster motion.
 const ALIASED: f64 = 0.9;
+/// Singular values below this part of the largest, times the order, are rounding.
+const KERNEL: f64 = 4.0 * f64::EPSILON;
+
 /// A loop that is closed at ticks, about its rest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SampledLoop {
@@ -297,14 +301,17 @@ impl Search {
     }
 }
 
-/// Eigenvalues that are not 0, the largest first, and how many others there are: those of variables that nothing depends on are left out
-/// before any is computed.
+/// Eigenvalues that are not 0, the largest first, and how many others there are: those of variables that nothing depends on, and of sums of them,
+/// are left out before any is computed.
 fn eigenvalues(matrix: &DMatrix<f64>) -> Option<(Vec<Complex<f64>>, usize)> {
     let mut reduced = matrix.clone();
     while let Some(k) = (0..reduced.ncols())
         .find(|k| reduced.column(*k).iter().all(|x| *x == 0.0) || reduced.row(*k).iter().all(|x| *x == 0.0))
     {
         reduced = reduced.remove_row(k).remove_column(k);
+    }
+    while let Some(rest) = without_kernel(&reduced)? {
+        reduced = rest;
     }
     let forgotten = matrix.ncols() - reduced.ncols();
     if reduced.is_empty() {
@@ -313,6 +320,22 @@ fn eigenvalues(matrix: &DMatrix<f64>) -> Option<(Vec<Complex<f64>>, usize)> {
     let mut values = Eigen::of(&reduced)?.values;
     values.sort_by(|a, b| b.norm().total_cmp(&a.norm()).then(a.im.total_cmp(&b.im)));
     Some((values, forgotten))
+}
+
+/// What a matrix does across the sums of variables that it takes to 0; `Some(None)` where there are none. In a basis of these and of what is across them
+/// it is [0 B; 0 C], whose other eigenvalues are those of C (Van Dooren, The computation of Kronecker's canonical form, 1979, section 3).
+fn without_kernel(matrix: &DMatrix<f64>) -> Option<Option<DMatrix<f64>>> {
+    if matrix.is_empty() {
+        return Some(None);
+    }
+    let svd = svd(matrix.clone(), false, true)?;
+    let nothing = KERNEL * matrix.ncols() as f64 * svd.singular_values.amax();
+    let kept: Vec<usize> = (0..matrix.ncols()).filter(|k| svd.singular_values[*k] > nothing).collect();
+    if kept.len() == matrix.ncols() {
+        return Some(None);
+    }
+    let across = svd.v_t.as_ref()?.select_rows(&kept);
+    Some(Some(&across * matrix * across.transpose()))
 }
 
 impl std::fmt::Display for SampledLoop {

@@ -1,0 +1,78 @@
+//! Starts that a guess completes, and slopes at a start.
+
+use dalembert::mechanism::Interpreted;
+use dalembert::{Error, NoSlopes, Simulation};
+use dalembert_symbolic::lower::compile;
+
+use super::{case, program, text_of};
+
+fn simulation(text: &str) -> Simulation<Interpreted> {
+    let program = compile(text, &[]).unwrap_or_else(|problems| panic!("{text}: {problems:?}"));
+    Simulation::new(Interpreted::new(program, text))
+}
+
+/// The place nearest to a guess is known to rounding, not to the root of it; the point of an ellipsoid by Lagrange's multiplier with 25 digits.
+#[test]
+fn a_guess_leads_to_the_nearest_place_to_rounding() {
+    let run = case(
+        "name: Bead\nparameters: {m: 1 kg, l: 1 m}\ncoordinates: {x: m, y: m, z: m}\n\
+         bodies: {b: {mass: m, position: \"[x, y, z]\"}}\nconstraints: {on: x^2/4 + y^2 + z^2 - l^2}\n\
+         scene: {start: {z: 0}, guess: {x: 2, y: 1.5}, until: 0}\n",
+    )
+    .run();
+    let last = run.last();
+    assert!((last["x"] - 1.511_896_795_090_536_1).abs() < 1e-14, "{}", last["x"]);
+    assert!((last["y"] - 0.654_631_209_345_19).abs() < 1e-13, "{}", last["y"]);
+    // A guess that meets the constraint is left as it is.
+    let there = case(
+        "name: Bead\ncoordinates: {x: m, y: m}\nparameters: {m: 1 kg, l: 5 m}\nbodies: {b: {mass: m, position: \"[x, y]\"}}\n\
+         constraints: {on: x^2 + y^2 - l^2}\nscene: {guess: {x: 3, y: 4}, until: 0}\n",
+    );
+    let mut there = there;
+    let last = there.run().last().q.to_vec();
+    assert_eq!(last, [3.0, 4.0]);
+}
+
+/// The slopes of a start that a guess with a `rotation` completes are those of runs with other parameters.
+#[test]
+fn a_guess_with_a_rotation_has_the_slopes_of_its_runs() {
+    let text = text_of("universal_joint_by_guess");
+    let slopes = simulation(&text).until(0.0).slopes(&["l"]).unwrap();
+    let at = |l: f64| {
+        let mut case = case(&text.replace("l: 1 m", &format!("l: {l:?} m")));
+        case.settings.until = 0.0;
+        case.run()
+    };
+    let (more, less) = (at(1.0 + 1e-4), at(1.0 - 1e-4));
+    for name in ["x2", "y2", "z2", "r2.w", "r2.x", "r2.y", "r2.z", "x2'", "r2.x'"] {
+        let (found, expected) = (slopes.get(name, "l").unwrap().value, (more.last()[name] - less.last()[name]) / 2e-4);
+        assert!((found - expected).abs() < 1e-6, "{name}: {found}, {expected}");
+    }
+}
+
+/// What moves a start off a surface where forces jump has no slope there; what does not has.
+#[test]
+fn a_start_on_a_surface_has_no_slopes_across_it() {
+    let text = "name: Rub\nparameters: {F: 1, mu: 0.5}\ncoordinates: {x: }\nkinetic_energy: x'^2/2\n\
+                generalized_forces: {x: \"-F - mu*sign(x')\"}\nscene: {start: {x: 0, x': 0}, until: 1}\n";
+    let refused = simulation(text).slopes(&["x'"]);
+    let touches = |error: &Error| matches!(error, Error::NoSlopes(why) if matches!(**why, NoSlopes::Touches { .. }));
+    assert!(refused.as_ref().is_err_and(touches), "{refused:?}");
+    // x = -(F - mu) t^2/2.
+    let found = simulation(text).slopes(&["F", "mu", "x"]).unwrap();
+    for (unknown, slope) in [("F", -0.5), ("mu", 0.5), ("x", 1.0)] {
+        assert!((found.get("x", unknown).unwrap().value - slope).abs() < 1e-9, "{unknown}");
+    }
+}
+
+/// Eigenvalues of a sampled loop that are 0 but for rounding are told as such: two values are forgotten here.
+#[test]
+fn sums_of_values_that_a_loop_forgets_are_zeros() {
+    let path = super::folder("forgets").join("model.yaml");
+    let text = "name: Forgets\ncoordinates: {x: }\nmemory: {u: 0, w: 0}\nbodies: {a: {mass: 1, position: \"[x, 0]\"}}\n\
+                forces: {f: {on: a, force: \"[u + w - x, 0]\"}}\nevents:\n  t1: {every: 0.02, then: {set: {u: -x'}}}\n  \
+                t2: {every: 0.04, from: 0.02, then: {set: {w: -x - u/4}}}\nscene: {start: {x: 0}, until: 1}\n";
+    std::fs::write(&path, text).expect("a file");
+    let said = program(&["modes", path.to_str().expect("a path"), "--sampled"]).unwrap();
+    assert!(said.contains("and 2 that are 0") && !said.contains("warning"), "{said}");
+}
