@@ -93,6 +93,18 @@ pub enum LinearError {
         /// The argument of the switch that lies at zero.
         switch: String,
     },
+    /// What a tick sets jumps or turns sharply at the rest of a sampled loop.
+    LawNotSmooth {
+        /// What is set.
+        held: String,
+    },
+    /// An event of a tick happens only where a held value says so that ticks set: the loop is not the same at every cycle of its clocks.
+    Counted {
+        /// The event.
+        event: String,
+        /// The held value.
+        held: String,
+    },
     /// A speed was asked for in a coordinate whose value matters: the state cannot persist.
     NotSteady {
         /// The coordinate.
@@ -287,6 +299,16 @@ impl fmt::Display for LinearError {
                 f,
                 "the equilibrium lies where `{switch}` changes sign and with it the stiffness or the damping: there is \
                  no linear model"
+            ),
+            LinearError::LawNotSmooth { held } => write!(
+                f,
+                "what sets `{held}` jumps or turns sharply at the rest, as a relay does: the loop has no linear model there, \
+                 and only a run tells where it goes"
+            ),
+            LinearError::Counted { event, held } => write!(
+                f,
+                "`{event}` acts only where `{held}` says so, which ticks set: the loop is not the same at every cycle of its \
+                 clocks; give `{event}` a clock of its own, with the time after which it acts again"
             ),
             LinearError::NotSteady { coordinate } => write!(
                 f,

@@ -8,6 +8,8 @@ use crate::mechanism::System;
 
 /// An argument that would vanish within this part of a step vanishes.
 const NOW: f64 = 1e-11;
+/// What slides is brought back to its surface to so many roundings of the state.
+const ROUNDINGS: f64 = 16.0;
 /// A rate that is this part of the mean one over a step is next to nothing.
 const NEXT_TO_NOTHING: f64 = 1e-6;
 /// Combinations of sides that are tried.
@@ -63,9 +65,9 @@ pub(super) fn combinations<S: System + ?Sized>(
             }
             let (value, rate) = (sampler.value(sampler.function_of(switch)), sampler.rate(switch));
             let on = known.surface[switch]
-                || before.slid.contains(&switch)
                 || value == 0.0
-                || value.abs() <= NOW * known.step * rate.abs();
+                || value.abs() <= NOW * known.step * rate.abs()
+                || before.slid.contains(&switch) && !has_jumped(system, sampler, (t, y), (switch, value), known.step);
             if !on {
                 one.modes[switch] = mode(system, switch, value);
                 continue;
@@ -82,6 +84,28 @@ pub(super) fn combinations<S: System + ?Sized>(
         combinations.push(one);
     }
     combinations
+}
+
+/// Whether what slid in its surface was taken off it at once, as by an impact or by a value that was set: its argument is more than rounding, and
+/// than either side changes it by at once.
+fn has_jumped<S: System + ?Sized>(
+    system: &mut S,
+    sampler: &mut Sampler,
+    (t, y): (f64, &[f64]),
+    (switch, value): (usize, f64),
+    step: f64,
+) -> bool {
+    let present = system.modes().to_vec();
+    let fastest = [1.0, -1.0].map(|side| {
+        let mut modes = present.clone();
+        modes[switch] = mode(system, switch, side);
+        system.set_modes(&modes);
+        sampler.at_state(system, t, y);
+        sampler.rate(switch).abs()
+    });
+    system.set_modes(&present);
+    let now = NOW * step * fastest[0].max(fastest[1]);
+    value.abs() > now && value.abs() > ROUNDINGS * sampler.rounding_at(system, sampler.function_of(switch), (t, y))
 }
 
 /// A switch on its surface that two combinations move away to different sides, each to the one that it says.

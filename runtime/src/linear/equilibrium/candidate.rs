@@ -93,6 +93,11 @@ impl Candidate {
         self.base.n + self.rows().len()
     }
 
+    /// Whether nothing is eliminated: the elements of A are known each to its own digits.
+    pub fn is_free(&self) -> bool {
+        self.held.is_none()
+    }
+
     /// Goes to other values of the unknowns.
     pub fn set(&mut self, unknowns: &[f64]) {
         let all = self.base.n;

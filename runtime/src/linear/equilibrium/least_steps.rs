@@ -94,16 +94,22 @@ pub(super) trait Rest {
         Ok(iterations)
     }
 
-    /// Sets to 0 what has all but vanished, if that is a rest too.
+    /// Sets to 0 what has all but vanished, beside all that it was or, as what was 0 before a step and should have stayed so, beside the others, if
+    /// that is a rest too.
     fn without_rounding(&mut self, reach: &[f64]) {
         let from = self.unknowns();
         let gone = |(x, reach): (&f64, &f64)| if x.abs() <= GONE * reach { 0.0 } else { *x };
-        let clean: Vec<f64> = from.iter().zip(reach).map(gone).collect();
-        if clean != from {
-            self.set(&clean);
-            if !self.is_met(EXACT) {
-                self.set(&from);
+        let largest = vec![reach.iter().fold(0.0_f64, |most, x| most.max(*x)); reach.len()];
+        for beside in [&largest, reach] {
+            let clean: Vec<f64> = from.iter().zip(beside).map(gone).collect();
+            if clean == from {
+                return;
             }
+            self.set(&clean);
+            if self.is_met(EXACT) {
+                return;
+            }
+            self.set(&from);
         }
     }
 }

@@ -19,6 +19,7 @@ use super::least_steps::{BALANCED, Rest};
 use crate::linear::constrained::Inputs;
 use crate::linear::forced::{named_answers, rated};
 use crate::linear::matrices::balanced;
+use crate::linear::modes::graded_modes;
 use crate::linear::{FirstOrder, InputOutput, LinearError, Residual, first_order_modes};
 use crate::mechanism::{Coordinate, HIDDEN, System, rate_name};
 use crate::show::unit;
@@ -225,7 +226,7 @@ impl Search {
             coordinates: self.coordinates[..*n].iter().map(|c| c.name.to_string()).collect(),
             motions,
             reactions: self.at.reactions(),
-            analysis: first_order_modes(&balanced)?,
+            analysis: if self.at.is_free() { graded_modes(&balanced)? } else { first_order_modes(&balanced)? },
             matrix,
             inputs: acting.iter().map(|k| rated(&known[moving[k / 3]], "", k % 3)[0].clone()).collect(),
             acting,

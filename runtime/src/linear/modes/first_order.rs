@@ -81,36 +81,43 @@ pub fn first_order_modes(a: &DMatrix<f64>) -> Result<FirstOrder, LinearError> {
     let zeros = levels.iter().map(|level| level.null.ncols()).sum();
     let neutral: Vec<DVector<f64>> =
         levels.first().map_or_else(Vec::new, |level| level.null.column_iter().map(|c| c.into_owned()).collect());
-    let (mut others, condition) = eigenvalues(&left)?;
-    others.sort_by(|x, y| x.0.norm().total_cmp(&y.0.norm()).then(x.0.im.total_cmp(&y.0.im)));
-    // Bauer and Fike's bound on what rounding does to eigenvalues.
-    let floor = threshold * condition.min(1e6);
-    let most = others.iter().fold(f64::NEG_INFINITY, |most, x| most.max(x.0.re));
+    let (others, condition) = plain_pairs(&left)?;
+    let error = threshold * condition.min(1e6);
+    let back = |pair: Pair| Pair { shape: Level::all_back(&levels, &pair), error, ..pair };
+    Ok(of_pairs(n, (zeros, neutral), others.into_iter().map(back).collect(), condition))
+}
+
+/// The analysis, of so many variables, from the number of zeros with their directions, and the other eigenvalues, whose shapes have this condition.
+pub(super) fn of_pairs(
+    n: usize,
+    (zeros, neutral): (usize, Vec<DVector<f64>>),
+    mut others: Vec<Pair>,
+    condition: f64,
+) -> FirstOrder {
+    others.sort_by(|x, y| x.value.norm().total_cmp(&y.value.norm()).then(x.value.im.total_cmp(&y.value.im)));
     let stability = match () {
-        () if most > floor => Stability::Unstable,
+        () if others.iter().any(|pair| pair.value.re > pair.error) => Stability::Unstable,
         () if zeros > neutral.len() => Stability::Drifting,
-        () if zeros > 0 || most >= -floor && n > 0 => Stability::Neutral,
+        () if zeros > 0 || others.iter().any(|pair| pair.value.re >= -pair.error) => Stability::Neutral,
         () => Stability::Asymptotic,
     };
     let zero = std::iter::repeat_n(Complex::new(0.0, 0.0), zeros);
-    let shape =
-        |(value, shape): &Pair| levels.iter().rev().fold(shape.clone(), |shape, level| level.back(*value, &shape));
-    Ok(FirstOrder {
-        eigenvalues: zero.chain(others.iter().map(|pair| pair.0)).collect(),
-        shapes: others.iter().map(|pair| shape(pair).normalize()).collect(),
+    FirstOrder {
+        eigenvalues: zero.chain(others.iter().map(|pair| pair.value)).collect(),
+        shapes: others.iter().map(|pair| pair.shape.normalize()).collect(),
         rank: n - neutral.len(),
         zeros,
         defective: zeros > neutral.len() || condition.is_nan() || condition > 1e6,
         neutral,
         condition,
         stability,
-    })
+    }
 }
 
 /// A matrix A taken apart: orthonormal bases N of its null space and R of what is orthogonal to it.
-struct Level {
+pub(super) struct Level {
     null: DMatrix<f64>,
-    beyond: DMatrix<f64>,
+    pub beyond: DMatrix<f64>,
     /// Nᵀ A R.
     coupling: DMatrix<f64>,
 }
@@ -120,9 +127,18 @@ impl Level {
         let failed = LinearError::NoConvergence { what: "the singular value decomposition of A" };
         let singular = Singular::of(matrix).ok_or(failed)?;
         let null = singular.directions(|value| value <= threshold);
-        let beyond = singular.directions(|value| value > threshold);
+        Ok(Level::of(matrix, null, singular.directions(|value| value > threshold)))
+    }
+
+    /// From N and R.
+    pub fn of(matrix: &DMatrix<f64>, null: DMatrix<f64>, beyond: DMatrix<f64>) -> Level {
         let coupling = null.transpose() * matrix * &beyond;
-        Ok(Level { null, beyond, coupling })
+        Level { null, beyond, coupling }
+    }
+
+    /// The eigenvector of A from that of what all of these levels leave.
+    pub fn all_back(levels: &[Level], pair: &Pair) -> DVector<Complex<f64>> {
+        levels.iter().rev().fold(pair.shape.clone(), |shape, level| level.back(pair.value, &shape))
     }
 
     /// From an eigenvector u of RᵀAR with λ ≠ 0 to that of A: N NᵀAR u/λ + R u.
@@ -133,19 +149,24 @@ impl Level {
     }
 }
 
-/// An eigenvalue and its eigenvector.
-type Pair = (Complex<f64>, DVector<Complex<f64>>);
+/// An eigenvalue, its eigenvector, and by how much rounding may have moved it.
+pub(super) struct Pair {
+    pub value: Complex<f64>,
+    pub shape: DVector<Complex<f64>>,
+    pub error: f64,
+}
 
-/// Eigenvalues with eigenvectors, and the condition number of these.
-fn eigenvalues(matrix: &DMatrix<f64>) -> Result<(Vec<Pair>, f64), LinearError> {
+/// Eigenvalues with eigenvectors, and the condition number of these; errors by Bauer's and Fike's bound.
+pub(super) fn plain_pairs(matrix: &DMatrix<f64>) -> Result<(Vec<Pair>, f64), LinearError> {
     let n = matrix.nrows();
     if n == 0 {
         return Ok((Vec::new(), 1.0));
     }
     let solved = Eigen::of(matrix).ok_or(LinearError::NoConvergence { what: "the eigenvalue iteration" })?;
-    let vector = |k: usize| solved.vectors.column(k).into_owned();
-    let values = (0..n).map(|k| (solved.values[k], vector(k))).collect();
-    Ok((values, solved.condition()))
+    let condition = solved.condition();
+    let error = Scaled::threshold(n, matrix.norm()) * condition.min(1e6);
+    let pair = |k: usize| Pair { value: solved.values[k], shape: solved.vectors.column(k).into_owned(), error };
+    Ok(((0..n).map(pair).collect(), condition))
 }
 
 #[cfg(test)]

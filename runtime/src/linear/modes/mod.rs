@@ -10,6 +10,8 @@ mod deflation;
 mod dissipation;
 #[cfg(feature = "modal")]
 mod first_order;
+#[cfg(feature = "modal")]
+mod graded;
 mod loci;
 mod mode;
 mod normal;
@@ -27,6 +29,8 @@ pub use damped::{ComplexModes, complex_modes};
 pub(super) use deflation::{nullities, without_zeros};
 #[cfg(feature = "modal")]
 pub use first_order::{FirstOrder, Stability, first_order_modes};
+#[cfg(feature = "modal")]
+pub(super) use graded::graded_modes;
 pub(super) use loci::matched;
 pub use loci::{campbell, root_locus};
 pub use mode::{Kind, Mode};

@@ -12,6 +12,7 @@
 
 mod critical;
 mod cycle;
+mod laws;
 mod rest;
 
 use nalgebra::{Complex, DMatrix, DVector};
@@ -116,7 +117,8 @@ pub fn linearise_sampled<S: System + ?Sized>(
     memory: &[f64],
 ) -> Result<SampledLoop, LinearError> {
     let cycle = Cycle::of(system)?;
-    let search = at_rest(system, guess, memory)?;
+    let mut search = at_rest(system, guess, memory)?;
+    search.laws_are_linear()?;
     let law = search.law(&cycle)?;
     let critical = Varying::of(system, (&search, guess), &cycle).critical(&law);
     search.closed(&cycle, &law, critical)

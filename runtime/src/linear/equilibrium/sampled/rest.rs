@@ -33,8 +33,12 @@ impl Search {
         Ok(Search { place: Candidate::new(&*system, guess)?, memory: memory.to_vec(), read: Vec::new() })
     }
 
-    fn at(&self) -> At<'_> {
-        self.place.base.at(0.0, &self.place.q, &self.place.base.v)
+    pub fn at(&self) -> At<'_> {
+        self.at_time(0.0)
+    }
+
+    fn at_time(&self, t: f64) -> At<'_> {
+        self.place.base.at(t, &self.place.q, &self.place.base.v)
     }
 
     /// ∂F/∂m, a column for each held value.
@@ -50,13 +54,18 @@ impl Search {
 
     /// The slopes of all assignments along a direction.
     pub fn assignments_along(&self, along: &Along<'_>) -> Vec<f64> {
+        self.assignments_at(0.0, along)
+    }
+
+    /// The same at a time, s.
+    pub fn assignments_at(&self, t: f64, along: &Along<'_>) -> Vec<f64> {
         let system = self.place.base.system.borrow();
         let mut slopes = vec![0.0; system.sampling().assignments()];
-        system.slopes(Function::Assignments, self.at(), along, &mut slopes);
+        system.slopes(Function::Assignments, self.at_time(t), along, &mut slopes);
         slopes
     }
 
-    fn assignments(&self) -> Vec<f64> {
+    pub fn assignments(&self) -> Vec<f64> {
         let system = self.place.base.system.borrow();
         let mut values = vec![0.0; system.sampling().assignments()];
         system.assignments(self.at(), &mut values);
@@ -156,12 +165,12 @@ impl Search {
         self.read = (0..read.len()).filter(|j| read[*j] && !of_noise.contains(&(*j as u32))).collect();
     }
 
-    fn put_memory(&self) {
+    pub fn put_memory(&self) {
         self.place.base.system.borrow_mut().set_memory(&self.memory);
     }
 
     /// Assignments to what the loop reads, and to states.
-    fn equations(&self) -> Vec<Assignment> {
+    pub fn equations(&self) -> Vec<Assignment> {
         let counts = |assignment: &Assignment| match assignment.target {
             Target::Memory(j) => self.read.contains(&(j as usize)),
             Target::State(_) => true,
