@@ -93,6 +93,8 @@ impl Integration {
             }
             if self.defect_exceeds(system, step)? {
                 most = 0.5 * step.h;
+            } else if let Some(shorter) = self.passes_transient(step) {
+                most = shorter;
             } else if has_no_feature {
                 return Ok((step, true));
             } else if let Some(shorter) = self.cut(system, step, locator) {
@@ -198,6 +200,35 @@ impl Integration {
         (self.defect.y, self.defect.slope, self.defect.rate) = (y, slope, rate);
         // A state that has no accelerations is for the error test to judge, in a shorter step.
         Ok(evaluated.is_err() || size.is_nan() || size > Defect::MOST)
+    }
+
+    /// How long a step is to be, s, that passes over a transient at its start: of what decays at once its end tells where it goes, but its dense output
+    /// swings on the way there. `None` where what the rate at the start would do differs from dense output by nothing that lasts.
+    fn passes_transient(&mut self, step: Step) -> Option<f64> {
+        if !self.stepper.damps() {
+            return None;
+        }
+        let (mut y, mut slope) = (std::mem::take(&mut self.defect.y), std::mem::take(&mut self.defect.slope));
+        self.segment(step).evaluate_with_slope(0.0, &mut y, &mut slope);
+        let (start, end) = (self.stepper.start(), self.stepper.end());
+        slope.iter_mut().zip(start.rate).for_each(|(slope, rate)| *slope -= step.h * rate);
+        self.stepper.damp(&mut slope);
+        let part = |i: usize| (end.y[i] - start.y[i]).abs() / (step.h * start.rate[i]).abs();
+        // What the rate at the start does at once is gone through in this part of the step, by the fastest of all.
+        let parts = (0..slope.len()).map(part).filter(|part| *part > 0.0 && *part < 0.5);
+        let shorter = step.h * parts.fold(0.5, f64::min);
+        let exceeds = match &self.policy {
+            StepPolicy::Fixed(_) => false,
+            StepPolicy::Adaptive { tolerance, .. } => (0..slope.len() / 2).any(|i| {
+                let n = slope.len() / 2;
+                // Units by the rate at the start would be those of the transient.
+                let units = tolerance.units_by_change(i, step.h, [i, n + i].map(|k| end.y[k] - start.y[k]));
+                slope[i].abs() > Defect::MOST * units[0] || slope[n + i].abs() > Defect::MOST * units[1]
+            }),
+        };
+        (self.defect.y, self.defect.slope) = (y, slope);
+        let resolved = RESOLVED * f64::EPSILON * self.clock.now().abs();
+        exceeds.then_some(shorter).filter(|shorter| *shorter > resolved)
     }
 
     /// Lets the tolerance know which of these errors [q; q'], too large as they are, are rounding.

@@ -125,6 +125,11 @@ pub(crate) trait OneStep: Send {
         let _ = defect;
     }
 
+    /// Whether [`OneStep::damp`] does anything.
+    fn damps(&self) -> bool {
+        false
+    }
+
     /// True where dense output costs no evaluation.
     fn dense_is_free(&self) -> bool;
 

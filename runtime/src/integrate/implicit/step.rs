@@ -169,6 +169,10 @@ impl OneStep for Collocation {
         }
     }
 
+    fn damps(&self) -> bool {
+        self.tableau.real.is_some()
+    }
+
     fn dense_is_free(&self) -> bool {
         self.interpolation.newton().is_none()
     }

@@ -171,6 +171,10 @@ impl OneStep for Rosenbrock {
         self.pencil.solve_pair(&self.slopes, self.tableau.gamma * self.factored, defect);
     }
 
+    fn damps(&self) -> bool {
+        true
+    }
+
     fn dense_is_free(&self) -> bool {
         true
     }
