@@ -44,11 +44,16 @@ pub(super) fn combinations<S: System + ?Sized>(
     before: &ModesBefore<'_>,
 ) -> Vec<Combination> {
     let count = before.modes.len();
+    // Those of time first: an input may contain some, and switches of the state the input.
+    let of_time = |switch: &usize| system.description().switches[*switch].time_only;
+    let (timed, others): (Vec<usize>, Vec<usize>) = (0..count).partition(of_time);
+    let order = [timed, others].concat();
     let mut combinations = Vec::new();
-    // With the switch to look at next.
+    // With the place of the switch to look at next.
     let mut stack = vec![(Combination { modes: before.modes.to_vec(), on: vec![false; count] }, 0)];
     while let Some((mut one, next)) = stack.pop() {
-        for switch in next..count {
+        for place in next..count {
+            let switch = order[place];
             system.set_modes(&one.modes);
             if let Some(side) = known.beyond[switch] {
                 one.modes[switch] = mode(system, switch, side);
@@ -77,7 +82,7 @@ pub(super) fn combinations<S: System + ?Sized>(
             if combinations.len() + stack.len() < MOST_COMBINATIONS {
                 let mut other = one.clone();
                 other.modes[switch] = second;
-                stack.push((other, switch + 1));
+                stack.push((other, place + 1));
             }
             one.modes[switch] = first;
         }

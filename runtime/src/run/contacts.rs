@@ -85,7 +85,9 @@ impl Run {
                     (mode, contact.tangent, contact.event(ContactEvent::Slips))
                 {
                     let force = lambda[row as usize];
-                    *value = force.abs() / (functions[2 * event] + force * force).sqrt();
+                    // Of several that hold together, one may bear more than its own share at its limit.
+                    let part = force.abs() / (functions[2 * event] + force * force).max(0.0).sqrt();
+                    *value = if force == 0.0 { 0.0 } else { part.min(1.0) };
                 }
             }
         });

@@ -236,9 +236,10 @@ impl Digits {
         self.lost = None;
         for row in 0..run.len() {
             let bounds = &mut self.rows[columns * row..][..columns];
-            for ((bound, value), range) in bounds.iter_mut().zip(row_of(run, row)).zip(ranges) {
-                let rounded = if value.abs() <= NOTHING * range { 1.0 } else { 2.0 * f64::EPSILON };
-                *bound = bound.max(rounded * value.abs());
+            for (column, ((bound, value), range)) in bounds.iter_mut().zip(row_of(run, row)).zip(ranges).enumerate() {
+                // Of an output its own terms tell, however far it has come down.
+                let nothing = column < 2 * n && value.abs() <= NOTHING * range;
+                *bound = bound.max(if nothing { 1.0 } else { 2.0 * f64::EPSILON } * value.abs());
             }
             // What rounding explains is 0.
             for ((bound, value), off) in bounds.iter_mut().zip(row_of(run, row)).zip(impulses.until(row)) {

@@ -219,7 +219,8 @@ pub(crate) fn unit(mechanism: &Description, name: &str) -> String {
     }
     let coordinate = name.strip_suffix('\'').unwrap_or(name);
     let Some(found) = mechanism.coordinates.iter().find(|known| known.name == coordinate) else { return String::new() };
-    let rate = name.ends_with('\'') && has_units(mechanism);
+    // The rate of a state's hidden coordinate is the state.
+    let rate = name.ends_with('\'') && has_units(mechanism) && found.state().is_none();
     match (si(found), rate) {
         ("", true) => "1/s".to_owned(),
         (unit, true) => format!("{unit}/s"),

@@ -98,7 +98,7 @@ fn bodies_without_mass_have_a_rotation_and_modes() {
     let text = printed("modes", "drivetrain", &[]);
     assert!(text.contains("1: rigid, no stiffness") && text.contains("  5: damped"), "{text}");
     let direct = text_of("drivetrain").replace("n: 3.5", "n: 1");
-    let folder = super::folder("drivetrain");
+    let folder = folder("drivetrain");
     let path = folder.join("direct.yaml");
     std::fs::write(&path, direct).expect("written");
     let text = super::program(&["modes", path.to_str().expect("a path")]).expect("modes");
@@ -421,4 +421,76 @@ fn a_hanging_pendulum_does_not_keep_its_cart_from_being_held() {
             .expect("modes");
         assert!(told.contains(&format!("F = {force} N")), "{told}");
     }
+}
+
+/// A trim of a model with a state that is 0 there, as of the filter in a controller, is found although rounding moves it.
+#[test]
+fn a_trim_with_a_filter_at_rest_is_found() {
+    let path = folder("filter_trim").join("model.yaml");
+    let text = "name: Filter\nparameters: {m: 1 kg, k: 3 N/m, tau: 0.03 s, L: 1 m}\ncoordinates: {x: m}\n\
+                states: {f: {unit: m/s, rate: (x' - f)/tau}}\ninputs: {u: 0 N}\nbodies: {b: {mass: m, position: \"[x, 0]\"}}\n\
+                springs: {s: {stretch: x, stiffness: k, along: ground.x, on: b}}\nforces: {act: {on: b, force: \"[u*cos(x/L), 0]\"}}\n";
+    std::fs::write(&path, text).expect("a file");
+    let path = path.to_str().expect("a path");
+    for x in [0.1, 0.5, -0.7, 1.2] {
+        let said = program(&["modes", path, "--hold", &format!("x={x}"), "--solve", "u", "--json"]).unwrap();
+        let found: serde_json::Value = serde_json::from_str(&said).expect("JSON");
+        let u = said.split("\"u\"").count();
+        assert!(u > 1 && found["equilibrium"]["x"].as_f64().is_some_and(|found| (found - x).abs() < 1e-12), "{said}");
+    }
+}
+
+/// Contacts whose sides pull, and friction beyond its limit, are told of where there are states and where the loop is sampled, too.
+#[test]
+fn rests_with_states_tell_of_contacts_that_pull() {
+    let path = folder("pulls").join("model.yaml");
+    let text = |law: &str| {
+        format!(
+            "name: Pulls\nparameters: {{m: 1 kg, g: 9.81 m/s^2, tau: 0.1 s, F: 15 N}}\ncoordinates: {{y: m}}\n{law}\n\
+             bodies: {{b: {{mass: m, position: \"[0, y]\"}}}}\ngravity: [0, -g]\nforces: {{up: {{on: b, force: \"[0, f]\"}}}}\n\
+             contacts: {{fl: {{gap: y, on: b, normal: \"[0, 1]\"}}}}\n"
+        )
+    };
+    let state = text("states: {f: {unit: N, rate: (F - f)/tau}}");
+    let sampled = text("memory: {f: 0 N}\nevents: {tk: {every: 0.1 s, then: {set: {f: F}}}}");
+    for (text, more) in [(state, None), (sampled, Some("--sampled"))] {
+        std::fs::write(&path, text).expect("a file");
+        let mut arguments = vec!["modes", path.to_str().expect("a path"), "--phase", "fl closed", "--json"];
+        arguments.extend(more);
+        let said = program(&arguments).unwrap();
+        assert!(said.contains("its sides pull at each other with 5.19 N"), "{said}");
+    }
+}
+
+/// Laws of a sampled loop that have no linear model at its rest are refused: relays, clocks in them, counters.
+#[test]
+fn sampled_laws_without_a_linear_model_are_refused() {
+    let path = folder("laws").join("model.yaml");
+    let loop_of = |memory: &str, events: &str| {
+        format!(
+            "name: Laws\nparameters: {{m: 1 kg, k: 1 N/m, T: 10 ms, F: 1 N, L: 1 m}}\ncoordinates: {{x: m}}\nmemory: {{{memory}}}\n\
+             bodies: {{b: {{mass: m, position: \"[x, 0]\"}}}}\nsprings: {{s: {{stretch: x, stiffness: k, along: ground.x, on: b}}}}\n\
+             forces: {{p: {{on: b, force: \"[u, 0]\"}}}}\nevents:\n{events}\n"
+        )
+    };
+    let law = |law: &str| loop_of("u: 0 N", &format!("  law: {{every: T, then: {{set: {{u: \"{law}\"}}}}}}"));
+    let counter = loop_of(
+        "u: 0 N, n: 0",
+        "  count: {every: T, then: {set: {n: n + 1}}}\n  law: {every: T, if: n - 4.5, then: {set: {u: -k*x, n: 0}}}",
+    );
+    let said = |text: &str| {
+        std::fs::write(&path, text).expect("a file");
+        program(&["modes", path.to_str().expect("a path"), "--sampled"])
+    };
+    for (text, why) in [
+        (law("F*sign(x)"), "jumps or turns sharply"),
+        (law("-F*abs(x)/L"), "jumps or turns sharply"),
+        (law("max(0, -k*x)"), "jumps or turns sharply"),
+        (law("-k*x - F*sin(t/T)"), "depends on time"),
+        (counter, "acts only where `n` says so"),
+    ] {
+        let refused = said(&text).unwrap_err();
+        assert!(refused.contains(why), "{text}: {refused}");
+    }
+    assert!(said(&law("-k*x*(1 + x/L)")).unwrap().contains("stability"));
 }

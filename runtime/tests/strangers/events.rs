@@ -521,3 +521,19 @@ fn values_that_jump_at_an_event_are_set_as_they_were_before() {
         assert!((last["w"] - at).abs() < 1e-12 && (last["s"] - run.events[0].state["x'"]).abs() == 0.0, "{method:?}");
     }
 }
+
+/// What decays at once goes nowhere else on the way: the first step of a stiff method is as short as the transient where anything looks into it.
+#[test]
+fn a_transient_at_the_start_of_a_stiff_run_crosses_nothing() {
+    for (tau, method) in
+        [("1e-10", Method::Auto), ("1e-9", Method::Auto), ("1e-8", Method::Radau5), ("1e-10", Method::Rodas5P)]
+    {
+        let mut case = case(&format!(
+            "name: Filter\nparameters: {{tau: {tau} s}}\nstates:\n  x: {{unit: 1, rate: 0/tau}}\n  s: {{unit: 1, rate: (x - s)/tau}}\n\
+             events: {{over: {{when: s - 1.2, then: stop}}}}\nscene: {{start: {{x: 1}}, until: 1e4, tolerance: 1e-10}}\n"
+        ));
+        case.settings.method = method;
+        let run = case.run();
+        assert!(run.events.is_empty() && run.last().t == 1e4, "{tau} {method:?}: {:?}", run.events);
+    }
+}

@@ -66,3 +66,29 @@ fn states_that_nothing_holds_are_not_told_of_friction() {
     let Err(Error::Run(failure)) = case(moving).try_run() else { panic!("a motion") };
     assert!(matches!(failure.cause, Cause::Chattering { .. }), "{}", failure.cause);
 }
+
+/// What slides in its surface leaves it where an impact, a value that is set or an input takes it off at once: nothing brings it back but its forces.
+#[test]
+fn what_is_taken_off_its_surface_at_once_leaves_it() {
+    // A relay about r, which jumps to 2 at 1 s: x goes after it at speed 1; by a tick, an event, and a jump of the input.
+    let relay = |more: &str, at: &str| {
+        format!("name: Relay\n{more}\nstates: {{x: -sign(x - {at})}}\nscene: {{start: {{x: 0.5}}, until: 2}}\n")
+    };
+    for text in [
+        relay("memory: {r: 0}\nevents: {tk: {every: 3 s, from: 1 s, then: {set: {r: 2}}}}", "r"),
+        relay("parameters: {T: 1 s}\nmemory: {r: 0}\nevents: {tk: {when: t/T - 1, then: {set: {r: 2}}}}", "r"),
+        relay("parameters: {T: 1 s}\ninputs: {r: 2*step(t/T - 1)}", "r"),
+        relay("events: {tk: {every: 3 s, from: 1 s, then: {set: {x: x + 2}}}}", "0"),
+    ] {
+        let run = case(&text).run();
+        assert!((run.last()["x"] - 1.0).abs() < 1e-9, "{text}: {}", run.last()["x"]);
+    }
+    // A ball strikes a block that rests in dry friction: it takes over the speed of 1, and loses 2 F t.
+    let struck = "name: Struck\nparameters: {m: 1 kg, F: 2 N}\ncoordinates: {a: m, b: m}\nbodies:\n  \
+                  A: {mass: m, position: \"[a, 0]\"}\n  B: {mass: m, position: \"[b, 0]\"}\n\
+                  contacts: {c: {gap: b - a, on: B, from: A, normal: \"[1,0]\", restitution: 1}}\n\
+                  forces: {f: {on: B, force: \"[-F*sign(b'), 0]\"}}\n\
+                  scene: {start: {a: -1, a': 1, b: 0}, until: 1.3, tolerance: 1e-10}\n";
+    let run = case(struck).run();
+    assert!((run.last()["b'"] - 0.4).abs() < 1e-9 && (run.last()["b"] - 0.21).abs() < 1e-9, "{:?}", run.last());
+}

@@ -176,7 +176,7 @@ fn by_departures(
     }
     let untried = integrals::notes(system, &found.equilibrium, locus.as_ref());
     let more = driven.iter().flat_map(Driven::notes).chain(locus.iter().flat_map(Locus::notes));
-    for note in contacts::notes(system, &found.equilibrium).into_iter().chain(untried).chain(more) {
+    for note in contacts::notes(system, &found.equilibrium.as_guess()).into_iter().chain(untried).chain(more) {
         eprintln!("warning: {note}");
     }
     if options.get_flag("json") {

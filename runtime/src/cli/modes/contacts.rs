@@ -1,6 +1,6 @@
 //! Whether contacts and friction do at a rest what they are taken to do there.
 
-use crate::linear::{Equilibrium, short};
+use crate::linear::{Guess, short};
 use crate::mechanism::dense::sizes_alike;
 use crate::mechanism::{At, Contact, ContactEvent, System};
 
@@ -8,7 +8,7 @@ use crate::mechanism::{At, Contact, ContactEvent, System};
 const ROUNDED: f64 = 1e-9;
 
 /// A contact whose sides pass through each other or pull, and friction beyond its limit: in the phase that was looked at all of it is possible.
-pub fn notes(system: &dyn System, rest: &Equilibrium) -> Vec<String> {
+pub fn notes(system: &dyn System, rest: &Guess) -> Vec<String> {
     let mut system = system.boxed_clone();
     rest.inputs.iter().enumerate().for_each(|(input, value)| system.hold_input(input, *value));
     let (contacts, description) = (system.contacts(), system.description());

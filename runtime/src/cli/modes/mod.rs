@@ -134,7 +134,7 @@ impl FurtherAnswers {
         let more = driven.iter().flat_map(Driven::notes).chain(locus.iter().flat_map(Locus::notes));
         let untried = integrals::notes(system, &linear.equilibrium, locus.as_ref());
         let varying = varying::notes(system, &linear.equilibrium, system.scene(scene).until);
-        let touching = contacts::notes(system, &linear.equilibrium);
+        let touching = contacts::notes(system, &linear.equilibrium.as_guess());
         let told = touching.into_iter().chain(untried).chain(varying).chain(notes(linear, modes)).chain(more);
         let warnings: Vec<String> = told.collect();
         for warning in &warnings {

@@ -13,7 +13,7 @@ use super::super::json::{number, object};
 use super::super::load::{Loaded, pairs};
 use super::super::{Problem, json};
 use super::states::OF_MODES;
-use super::{MOST_PRINTED, failed};
+use super::{MOST_PRINTED, contacts, failed};
 use crate::linear::{Guess, SampledLoop, linearise_sampled, periods, short};
 use crate::mechanism::{System, Text};
 
@@ -28,8 +28,15 @@ pub fn run(loaded: &Loaded, options: &ArgMatches, guess: Guess, out: &mut dyn Wr
     let system = &*loaded.system;
     let guess = Guess { inputs: inputs(loaded, options, &guess.inputs)?, ..guess };
     let found = linearise_sampled(system, &guess, system.memory()).map_err(failed)?;
+    let (rest, held) = found.rest();
+    let mut at_rest = system.boxed_clone();
+    at_rest.set_memory(held);
+    let warnings = contacts::notes(&*at_rest, rest);
+    for warning in &warnings {
+        eprintln!("warning: {warning}");
+    }
     match options.get_flag("json") {
-        true => Ok(json::write(&as_json(&loaded.name, &found, system), out)?),
+        true => Ok(json::write(&as_json(&loaded.name, &found, system, &warnings), out)?),
         false => table(&loaded.name, &found, system, out),
     }
 }
@@ -144,7 +151,7 @@ fn complex(z: Complex<f64>) -> String {
     if z.im == 0.0 { short(z.re) } else { format!("{} ± {}i", short(z.re), short(z.im.abs())) }
 }
 
-fn as_json(name: &str, found: &SampledLoop, system: &dyn System) -> Value {
+fn as_json(name: &str, found: &SampledLoop, system: &dyn System, warnings: &[String]) -> Value {
     let named = |list: &[(String, f64)]| object(list.iter().map(|(name, value)| (name.clone(), number(*value))));
     let pair = |x: &Complex<f64>| Value::Array(vec![number(x.re), number(x.im)]);
     let matrix = |m: &DMatrix<f64>| -> Value {
@@ -154,7 +161,8 @@ fn as_json(name: &str, found: &SampledLoop, system: &dyn System) -> Value {
         Some(factor) => Value::Array(periods(system).iter().map(|every| number(factor * every)).collect()),
         None => Value::Null,
     };
-    object([
+    let warned = (!warnings.is_empty()).then(|| ("warnings", json!(warnings)));
+    let entries = [
         ("model", json!(name)),
         ("equilibrium", named(&found.place)),
         ("memory", named(&found.memory)),
@@ -173,5 +181,6 @@ fn as_json(name: &str, found: &SampledLoop, system: &dyn System) -> Value {
         ("critical_periods", times(found.critical_factor)),
         ("least_periods", times(found.least_factor)),
         ("varied", json!(found.varied)),
-    ])
+    ];
+    object(entries.into_iter().chain(warned))
 }

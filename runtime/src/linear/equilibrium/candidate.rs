@@ -98,6 +98,11 @@ impl Candidate {
         self.held.is_none()
     }
 
+    /// The present values, inputs being held at these.
+    pub fn guess(&self, inputs: &[f64]) -> Guess {
+        Guess { q: self.q.clone(), v: self.base.v.clone(), inputs: inputs.to_vec() }
+    }
+
     /// Goes to other values of the unknowns.
     pub fn set(&mut self, unknowns: &[f64]) {
         let all = self.base.n;
@@ -217,7 +222,9 @@ fn first_order(
     if right.iter().any(|x| !x.is_finite()) {
         return Err(LinearError::NonFinite { what: "the linear model".to_owned() });
     }
-    let solved = mass.to_dense().lu().solve(&right).filter(|x| x.iter().all(|x| x.is_finite()));
+    // What constraints hold altogether moves by nothing.
+    let solved = if all == 0 { Some(right) } else { mass.to_dense().lu().solve(&right) };
+    let solved = solved.filter(|x| x.iter().all(|x| x.is_finite()));
     let solved = solved.ok_or(LinearError::NoConvergence { what: "the accelerations' derivatives" })?;
     // Of [q; v] all but what is hidden of q.
     let kept: Vec<usize> = (0..n).chain(all..2 * all).collect();

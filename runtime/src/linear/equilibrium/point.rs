@@ -9,7 +9,7 @@ use super::Guess;
 use crate::linear::matrices::NO_ANGLE;
 use crate::linear::{LinearError, Residual, SparseMatrix, has_dependent_coordinates, short};
 use crate::mechanism::dense::{constraint_matrix, constraint_triples};
-use crate::mechanism::{At, SwitchKind, System};
+use crate::mechanism::{At, SwitchKind, System, rate_name};
 use crate::trust::ends_that_meet;
 
 /// Arguments of switches nearer to zero than this, relative to the largest coordinate, are on the surface.
@@ -61,14 +61,20 @@ impl LinearisationPoint {
         self.names().into_iter().zip(values.iter().copied()).collect()
     }
 
-    /// (coordinate, force, its unit) of every coordinate.
+    /// (coordinate, force, its unit) of every coordinate; of a state its rate.
     pub fn forces(&self, values: &[f64]) -> Vec<Residual> {
         let system = self.system.borrow();
         let list = system.description().coordinates.iter().zip(values);
-        list.map(|(coordinate, value)| Residual {
-            coordinate: coordinate.name.to_string(),
-            force: *value,
-            unit: force_unit(&coordinate.unit),
+        list.map(|(coordinate, value)| match coordinate.state() {
+            None => {
+                Residual { coordinate: coordinate.name.to_string(), force: *value, unit: force_unit(&coordinate.unit) }
+            }
+            // F of a hidden coordinate at rest is −z'.
+            Some(state) => Residual {
+                coordinate: rate_name(state),
+                force: -value,
+                unit: if coordinate.unit.is_empty() { String::new() } else { format!("{}/s", coordinate.unit) },
+            },
         })
         .collect()
     }
@@ -79,7 +85,7 @@ impl LinearisationPoint {
     }
 
     pub(super) fn name(&self, index: usize) -> String {
-        self.names().swap_remove(index)
+        self.system.borrow().description().coordinate_name(index)
     }
 
     /// F(q, q', 0).
@@ -319,10 +325,15 @@ impl LinearisationPoint {
         }
         let now = self.force(q);
         if let Some(i) = now.iter().position(|f| !f.is_finite()) {
-            let point: Vec<String> =
-                self.named(q).into_iter().map(|(name, value)| format!("{name} = {}", short(value))).collect();
+            let system = self.system.borrow();
+            let coordinates = system.description().coordinates.iter().zip(q.iter().zip(&self.v));
+            let point = coordinates.map(|(coordinate, (place, speed))| match coordinate.state() {
+                None => format!("{} = {}", coordinate.name, short(*place)),
+                Some(state) => format!("{state} = {}", short(*speed)),
+            });
+            let point: Vec<String> = point.collect();
             let at = self.at(0.0, q, &self.v);
-            let met = ends_that_meet(&**self.system.borrow(), at);
+            let met = ends_that_meet(&**system, at);
             let why = met.map_or_else(String::new, |load| {
                 format!(" (a distance, norm or root in `{load}` is zero, where ends that meet have no direction)")
             });

@@ -71,6 +71,12 @@ pub struct Equilibrium {
 }
 
 impl Equilibrium {
+    /// The state, to be looked at or to begin from.
+    #[cfg(feature = "cli")]
+    pub(crate) fn as_guess(&self) -> Guess {
+        Guess { q: self.q.clone(), v: self.v.clone(), inputs: self.inputs.clone() }
+    }
+
     /// A state that is known to be one.
     pub(super) fn at(base: &LinearisationPoint, state: &Guess) -> Equilibrium {
         Equilibrium {

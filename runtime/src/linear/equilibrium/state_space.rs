@@ -89,6 +89,12 @@ pub fn linearise_states<S: System + ?Sized>(system: &S, guess: &Guess, here: boo
 }
 
 impl StateSpace {
+    /// The state in which it rests, hidden coordinates and all.
+    #[cfg(feature = "cli")]
+    pub(crate) fn rest(&self) -> &Guess {
+        &self.guess
+    }
+
     /// x' = A x + B u and y = C x + D u of these inputs, by their places and with their units, and of answers by name: coordinates, rates,
     /// states, outputs.
     ///
@@ -182,18 +188,7 @@ impl Search {
     }
 
     fn forces_left(&self) -> Vec<Residual> {
-        let force = self.at.base.force(&self.at.q);
-        let forces = self.at.base.forces(&force).into_iter().zip(&self.coordinates);
-        let named = |(force, coordinate): (Residual, &Coordinate)| match coordinate.state() {
-            None => force,
-            // F of a hidden coordinate at rest is −z'.
-            Some(state) => Residual {
-                coordinate: format!("{state}'"),
-                force: -force.force,
-                unit: if coordinate.unit.is_empty() { String::new() } else { format!("{}/s", coordinate.unit) },
-            },
-        };
-        forces.map(named).collect()
+        self.at.base.forces(&self.at.base.force(&self.at.q))
     }
 
     fn linearised(&self, iterations: usize) -> Result<StateSpace, LinearError> {
@@ -232,7 +227,7 @@ impl Search {
             acting,
             moving,
             immovable,
-            guess: Guess { q: q.clone(), v: base.v.clone(), inputs: self.held.clone() },
+            guess: self.at.guess(&self.held),
             unknowns: self.at.unknowns(),
             input: drive,
             scales,

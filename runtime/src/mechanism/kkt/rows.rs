@@ -8,8 +8,8 @@ use crate::mechanism::{Singular, System};
 
 /// A row whose pivot, its distance from the rows before it, is below this part of its largest norm is left out.
 const WEAK: f64 = 1e-3;
-/// A row that keeps less than this of its largest norm is asked for its entries.
-const FADED: f64 = 0.3;
+/// A row that keeps less than this of its largest norm, and is soon left out, is asked for its entries.
+const FADED: f64 = 0.01;
 /// With more rows than this ordinary pivots are smaller: a straight chain of m rods has 1.1/m.
 const MANY: f64 = 8.0;
 /// Friction that leaves this part of a pivot, or less, lets the reaction grow without bound.

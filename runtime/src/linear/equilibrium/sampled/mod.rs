@@ -33,7 +33,7 @@ use crate::mechanism::{Action, Along, System, Target, Trigger, rate_name};
 
 /// An eigenvalue with this part of a half turn a period, or more, may be one of a faster motion.
 const ALIASED: f64 = 0.9;
-/// Singular values below this part of the largest, times the order, are rounding.
+/// Singular values below this part of the largest element, times the order, are rounding.
 const KERNEL: f64 = 4.0 * f64::EPSILON;
 
 /// A loop that is closed at ticks, about its rest.
@@ -71,9 +71,17 @@ pub struct SampledLoop {
     /// Parameters of which the periods are made, and which these factors multiply or divide with them; none where the periods alone are
     /// varied, and the law stays as it is.
     pub varied: Vec<String>,
+    /// The state in which it rests, hidden coordinates and all, and all held values there.
+    rest: (Guess, Vec<f64>),
 }
 
 impl SampledLoop {
+    /// The state in which it rests, and all held values there.
+    #[cfg(feature = "cli")]
+    pub(crate) fn rest(&self) -> (&Guess, &[f64]) {
+        (&self.rest.0, &self.rest.1)
+    }
+
     /// Eigenvalues whose sine turns so far in a period that it may be a faster one, seen too seldom.
     pub fn aliased(&self) -> Vec<usize> {
         let half_turn = std::f64::consts::PI / self.period;
@@ -121,7 +129,7 @@ pub fn linearise_sampled<S: System + ?Sized>(
     search.laws_are_linear()?;
     let law = search.law(&cycle)?;
     let critical = Varying::of(system, (&search, guess), &cycle).critical(&law);
-    search.closed(&cycle, &law, critical)
+    search.closed((&cycle, &law), critical, &guess.inputs)
 }
 
 /// The rest of the loop nearest to a guess.
@@ -187,8 +195,13 @@ impl Search {
         Ok(Law { independent, field, jumps })
     }
 
-    /// The loop about the rest that was found.
-    fn closed(&self, cycle: &Cycle, law: &Law, critical: Critical) -> Result<SampledLoop, LinearError> {
+    /// The loop about the rest that was found, with inputs held at these.
+    fn closed(
+        &self,
+        (cycle, law): (&Cycle, &Law),
+        critical: Critical,
+        inputs: &[f64],
+    ) -> Result<SampledLoop, LinearError> {
         let matrix = law.map(cycle, 1.0);
         let none = || LinearError::NoConvergence { what: "the eigenvalues of the loop" };
         let (multipliers, forgotten) = eigenvalues(&matrix).ok_or_else(none)?;
@@ -224,6 +237,7 @@ impl Search {
             critical_factor: critical.longer,
             least_factor: critical.shorter,
             varied: critical.varied,
+            rest: (self.place.guess(inputs), self.memory.clone()),
         })
     }
 
@@ -312,7 +326,8 @@ fn eigenvalues(matrix: &DMatrix<f64>) -> Option<(Vec<Complex<f64>>, usize)> {
     {
         reduced = reduced.remove_row(k).remove_column(k);
     }
-    while let Some(rest) = without_kernel(&reduced)? {
+    let nothing = KERNEL * matrix.ncols() as f64 * reduced.amax();
+    while let Some(rest) = without_kernel(&reduced, nothing)? {
         reduced = rest;
     }
     let forgotten = matrix.ncols() - reduced.ncols();
@@ -324,14 +339,13 @@ fn eigenvalues(matrix: &DMatrix<f64>) -> Option<(Vec<Complex<f64>>, usize)> {
     Some((values, forgotten))
 }
 
-/// What a matrix does across the sums of variables that it takes to 0; `Some(None)` where there are none. In a basis of these and of what is across them
+/// What a matrix does across the sums of variables that it takes to `nothing`, or less; `Some(None)` where there are none. In a basis of these and of what is across them
 /// it is [0 B; 0 C], whose other eigenvalues are those of C (Van Dooren, The computation of Kronecker's canonical form, 1979, section 3).
-fn without_kernel(matrix: &DMatrix<f64>) -> Option<Option<DMatrix<f64>>> {
+fn without_kernel(matrix: &DMatrix<f64>, nothing: f64) -> Option<Option<DMatrix<f64>>> {
     if matrix.is_empty() {
         return Some(None);
     }
     let svd = svd(matrix.clone(), false, true)?;
-    let nothing = KERNEL * matrix.ncols() as f64 * svd.singular_values.amax();
     let kept: Vec<usize> = (0..matrix.ncols()).filter(|k| svd.singular_values[*k] > nothing).collect();
     if kept.len() == matrix.ncols() {
         return Some(None);
