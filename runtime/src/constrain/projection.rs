@@ -71,10 +71,11 @@ const DEPENDENT: f64 = 0.25;
 /// A correction that leaves more than this of the residual calls for new matrices, or does not help at all.
 const SLOW: f64 = 0.3;
 
-/// The least singular value of rows in these units; 0 of none.
-fn least(mut rows: DMatrix<f64>, units: &[f64]) -> f64 {
-    rows.row_iter_mut().zip(units).for_each(|(mut row, unit)| row.unscale_mut(*unit));
-    svd(rows, false, false).map_or(0.0, |svd| svd.singular_values.min())
+/// The least singular value of so many rows in these units that are as independent as they can be; 0 of none.
+fn least(mut rows: DMatrix<f64>, units: &[f64], count: usize) -> f64 {
+    rows.row_iter_mut().zip(units).filter(|(_, unit)| **unit > 0.0).for_each(|(mut row, unit)| row.unscale_mut(*unit));
+    // Falling.
+    svd(rows, false, false).and_then(|svd| svd.singular_values.get(count.checked_sub(1)?).copied()).unwrap_or(0.0)
 }
 
 impl Projection {
@@ -264,10 +265,11 @@ impl Projection {
         let near = self.corrects && self.form.rank() >= usual && self.form.weakest() <= NEAR;
         let here = near.then(|| Near { rows: self.form.chosen_first(usual), t: place.t, q: place.q.to_vec() });
         let Some(before) = std::mem::replace(&mut self.before, here) else { return false };
-        let on_the_way = |part: f64| {
+        let rows_on_the_way = |part: f64, rows: &[usize]| {
             let q: Vec<f64> = before.q.iter().zip(place.q).map(|(from, to)| from + part * (to - from)).collect();
-            constraint_matrix(system, At::place(before.t + part * (place.t - before.t), &q), &before.rows)
+            constraint_matrix(system, At::place(before.t + part * (place.t - before.t), &q), rows)
         };
+        let on_the_way = |part: f64| rows_on_the_way(part, &before.rows);
         let [from, to] = [0.0, 1.0].map(on_the_way);
         let mut columns = DMatrix::from_fn(1, system.len(), |_, j| j);
         from.clone().col_piv_qr().p().permute_columns(&mut columns);
@@ -280,9 +282,12 @@ impl Projection {
             let middle = 0.5 * (low + high);
             if minor(&from) * minor(&on_the_way(middle)) > 0.0 { low = middle } else { high = middle }
         }
-        // A row may vanish by itself.
+        // A row may vanish by itself. Where some depend on each other on the way, others may be as independent as ever.
+        let all: Vec<usize> = rows_in_force(system).collect();
+        let [from, there, to] = [0.0, high, 1.0].map(|part| rows_on_the_way(part, &all));
         let units: Vec<f64> = from.row_iter().zip(to.row_iter()).map(|(from, to)| from.norm().max(to.norm())).collect();
-        least(on_the_way(high), &units) < DEPENDENT * least(from, &units).min(least(to, &units))
+        let [from, there, to] = [from, there, to].map(|rows| least(rows, &units, usual));
+        there < DEPENDENT * from.min(to)
     }
 
     /// What rounding of c makes of q, and that in turn of q', at the state that was projected last; `None` where it is
