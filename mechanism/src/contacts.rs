@@ -39,8 +39,11 @@ pub struct Contact {
     pub name: Text,
     /// The row of its gap; absent for friction alone.
     pub normal: Option<u32>,
-    /// The row of its sliding rate; absent where nothing rubs.
+    /// The row of its sliding rate; absent where nothing rubs. In space the first of two.
     pub tangent: Option<u32>,
+    /// In space, where something rubs: the first of three held values, which are the direction of sliding, as components along both rows, and the
+    /// rate below which a sliding rate has no direction of its own.
+    pub direction: Option<u32>,
     /// The first of its events, in the order of [`ContactEvent`], those that it has.
     pub first_event: u32,
     /// The place of its coefficient of restitution in `System::restitutions`.
@@ -60,6 +63,8 @@ pub enum ContactMode {
     SlipsForwards,
     /// The sliding rate is not positive.
     SlipsBackwards,
+    /// It slides in the direction that is held, in space.
+    Slides,
 }
 
 /// What happens to a contact.
@@ -69,7 +74,7 @@ pub enum ContactEvent {
     Lands,
     /// The force across it falls to 0.
     Lifts,
-    /// It stops sliding.
+    /// It stops sliding; or, in space, has turned through a right angle from the direction that is held.
     Stops,
     /// The force with which it sticks reaches its limit: L₀² − T² falls through 0.
     Slips,
@@ -95,10 +100,10 @@ impl ContactMode {
         self != ContactMode::Open
     }
 
-    /// The sign of the sliding rate, 0 unless it slides.
+    /// The sign of the sliding rate, in space of that along the direction that is held; 0 unless it slides.
     pub fn sliding(self) -> f64 {
         match self {
-            ContactMode::SlipsForwards => 1.0,
+            ContactMode::SlipsForwards | ContactMode::Slides => 1.0,
             ContactMode::SlipsBackwards => -1.0,
             ContactMode::Open | ContactMode::Closed | ContactMode::Sticks => 0.0,
         }
@@ -114,6 +119,7 @@ impl fmt::Display for ContactMode {
             ContactMode::Sticks => "sticks",
             ContactMode::SlipsForwards => "slips forwards",
             ContactMode::SlipsBackwards => "slips backwards",
+            ContactMode::Slides => "slides",
         })
     }
 }
@@ -160,10 +166,17 @@ impl Contact {
         self.events().find(|(_, what)| *what == happens).map(|(event, _)| event as usize)
     }
 
+    /// The rows of its sliding rates: none, one, or in space two.
+    pub fn tangents(&self) -> impl Iterator<Item = u32> + Clone + use<> {
+        let count = if self.direction.is_some() { 2 } else { 1 };
+        self.tangent.into_iter().flat_map(move |first| first..first + count)
+    }
+
     /// Its modes, in the order in which phases count them.
     pub fn modes(&self) -> &'static [ContactMode] {
-        use ContactMode::{Closed, Open, SlipsBackwards, SlipsForwards, Sticks};
+        use ContactMode::{Closed, Open, Slides, SlipsBackwards, SlipsForwards, Sticks};
         match (self.normal, self.tangent) {
+            (Some(_), Some(_)) if self.direction.is_some() => &[Open, Slides, Sticks],
             (Some(_), Some(_)) => &[Open, SlipsForwards, SlipsBackwards, Sticks],
             (Some(_), None) => &[Open, Closed],
             (None, _) => &[SlipsForwards, SlipsBackwards, Sticks],
@@ -174,7 +187,7 @@ impl Contact {
 impl Contacts {
     /// The rows of their gaps and sliding rates.
     pub fn rows(&self) -> impl Iterator<Item = u32> {
-        self.all.iter().flat_map(|contact| [contact.normal, contact.tangent]).flatten()
+        self.all.iter().flat_map(|contact| contact.normal.into_iter().chain(contact.tangents()))
     }
 
     /// The mode of each contact in a phase.

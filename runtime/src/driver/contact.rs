@@ -4,8 +4,8 @@ use super::Integration;
 use super::phase::Done;
 use crate::cause::Cause;
 use crate::constrain::{
-    Change, Kinematics, Moment, Strike, VelocityJump, closed_within, is_released, kinematics, possible_limits, settle,
-    strike,
+    Change, Kinematics, Moment, Strike, Turned, VelocityJump, closed_within, follow_directions, is_released,
+    kinematics, possible_limits, settle, strike, turned, velocity_jump,
 };
 use crate::events::{Log, begin_at, begin_at_state};
 use crate::mechanism::{At, ContactEvent, System};
@@ -35,9 +35,19 @@ impl Integration {
         if what == ContactEvent::Slips {
             let scales = self.scales(system);
             let (now, y) = (self.clock.now(), self.stepper.start().y);
-            if is_released(system, &Moment { t: now, y, scales: &scales, step: self.instant() }, contact)? {
+            if is_released(
+                system,
+                &Moment { t: now, y, scales: &scales, fastest: &self.fastest, step: self.instant() },
+                contact,
+            )? {
                 return Ok(nothing);
             }
+        }
+        if what == ContactEvent::Stops && system.contacts().all[contact].direction.is_some() {
+            if !self.stops_in_space(system, contact)? {
+                return Ok(Done { acts: true, strikes: false });
+            }
+            recorder.event(system, event, self.clock.now(), self.stepper.start().y, false);
         }
         let began = self.clock.now();
         let struck = match what {
@@ -46,14 +56,18 @@ impl Integration {
         };
         let scales = self.scales(system);
         let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
-        let before = system.phase();
+        let (before, memory) = (system.phase(), system.memory().to_vec());
         let change = match &struck {
             Some(strike) => Change::Struck(strike),
             None => Change::Event { contact, what },
         };
-        let moment = Moment { t: now, y: &y, scales: &scales, step: self.instant() };
+        let moment = Moment { t: now, y: &y, scales: &scales, fastest: &self.fastest, step: self.instant() };
         let phase = settle(system, &moment, change)?;
         system.set_phase(before);
+        if phase == before && system.memory() != memory {
+            // What slid in space slides on in another direction.
+            return Ok(Done { acts: true, strikes: false });
+        }
         if phase == before && struck.as_ref().is_none_or(Strike::is_empty) {
             // A gap that closed and opens again at once is looked at anew, in a shorter step, in which a low hop shows.
             let opens = what == ContactEvent::Lands;
@@ -63,6 +77,53 @@ impl Integration {
         let entered = self.enter(system, phase, &[], recorder)?;
         self.carry(system, self.clock.now() - began);
         Ok(Done { acts: true, strikes: entered || struck.is_some() })
+    }
+
+    /// Whether what slides in space stops where its rate along the direction that is held is zero; where it has only turned, its present direction is held
+    /// from here on. What is left of a rate that the friction of sliding takes away at once is gone.
+    fn stops_in_space(&mut self, system: &mut dyn System, contact: usize) -> Result<bool, Box<Cause>> {
+        let scales = self.scales(system);
+        let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
+        let moment = Moment { t: now, y: &y, scales: &scales, fastest: &self.fastest, step: self.instant() };
+        let rows = match turned(system, &moment, contact) {
+            Turned::On => return Ok(false),
+            Turned::Stops => return Ok(true),
+            Turned::Dies(rows) => rows,
+        };
+        let taken =
+            velocity_jump(system, (now, &y), &rows, |_| 0.0).map_err(|fault| fault.cause(system.description()))?;
+        let n = system.len();
+        self.stepper.state_mut()[n..].iter_mut().zip(&taken.jump).for_each(|(v, jump)| *v += jump);
+        Ok(true)
+    }
+
+    /// Holds the directions of what slides in space and has turned away from those that were held.
+    pub(super) fn follow_directions(
+        &mut self,
+        system: &mut dyn System,
+        recorder: &mut Recorder,
+    ) -> Result<(), Box<Cause>> {
+        if !system.contacts().all.iter().any(|contact| contact.direction.is_some()) {
+            return Ok(());
+        }
+        self.note_speeds(system);
+        let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
+        let before = system.memory().to_vec();
+        if !follow_directions(
+            system,
+            &Moment { t: now, y: &y, scales: &[], fastest: &self.fastest, step: self.instant() },
+        ) {
+            return Ok(());
+        }
+        let followed = system.memory().to_vec();
+        system.set_memory(&before);
+        recorder.leave(system, now, self.stepper.start());
+        system.set_memory(&followed);
+        if let Some(mut locator) = self.locator.take() {
+            locator.enter(system, (now, &y), false, &mut |system| self.trial(system))?;
+            self.locator = Some(locator);
+        }
+        self.restart(system, recorder)
     }
 
     /// The step beside which the present instant is known: the one that led here, which may end far before the longest that is possible.
@@ -110,7 +171,7 @@ impl Integration {
         let scales = self.scales(system);
         let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
         let phase = system.phase();
-        let moment = Moment { t: now, y: &y, scales: &scales, step: self.instant() };
+        let moment = Moment { t: now, y: &y, scales: &scales, fastest: &self.fastest, step: self.instant() };
         let next = settle(system, &moment, change)?;
         system.set_phase(phase);
         if next == phase {
@@ -182,8 +243,18 @@ impl Integration {
         slow
     }
 
+    /// Notes how fast all moves, where something may slide in space: beside that a sliding rate is rounding.
+    fn note_speeds(&mut self, system: &dyn System) {
+        if system.contacts().all.iter().any(|contact| contact.direction.is_some()) {
+            let speeds = &self.stepper.start().y[system.len()..];
+            self.fastest.resize(speeds.len(), 0.0);
+            self.fastest.iter_mut().zip(speeds).for_each(|(most, v)| *most = most.max(v.abs()));
+        }
+    }
+
     /// The largest Σ |terms| that the constraints' rows have had, here included.
     fn scales(&mut self, system: &dyn System) -> Vec<f64> {
+        self.note_speeds(system);
         let Some(projection) = &mut self.projection else { return Vec::new() };
         projection.observe(system, self.clock.now(), self.stepper.start().y);
         projection.scales().to_vec()
@@ -205,7 +276,7 @@ impl Integration {
         if end.is_some() {
             slow[contact] = f64::INFINITY;
         }
-        let moment = Moment { t: now, y: &y, scales: &scales, step: self.instant() };
+        let moment = Moment { t: now, y: &y, scales: &scales, fastest: &self.fastest, step: self.instant() };
         let Some(strike) = strike(system, &moment, &slow)? else { return Ok(None) };
         if let Some(end) = end {
             // The last hops lead along the contact, on which it rests.

@@ -132,6 +132,8 @@ pub(crate) struct Integration {
     /// How long steps have ended where the constraints depend on each other as they do nowhere else.
     dwell: SingularDwell,
     impacts: Impacts,
+    /// The largest speeds, where something may slide in space.
+    fastest: Vec<f64>,
     /// The instant of the last impact, with the state before it: its speeds tell how well the instant is known.
     struck: Option<(f64, Vec<f64>)>,
     cascade: EventCascade,
@@ -199,6 +201,7 @@ impl Integration {
             from: t,
             dwell: SingularDwell::default(),
             impacts: Impacts::default(),
+            fastest: Vec::new(),
             struck: None,
             cascade: EventCascade::default(),
             rejected: Vec::with_capacity(y.len()),
@@ -467,6 +470,7 @@ impl Integration {
                     self.traced *= LONGER;
                     self.look_at_constraints(system, recorder)?;
                     self.look_at_contacts(system)?;
+                    self.follow_directions(system, recorder)?;
                     self.choose_gain(system);
                     return Ok(stop_reason);
                 }

@@ -94,7 +94,7 @@ impl Sampler {
         // Which contacts stay closed is decided: one that does not leaves as its rate says.
         if let Some(contact) = closes(system, event) {
             // What does not approach was decided to open.
-            let moment = Moment { t, y, scales: &[], step };
+            let moment = Moment { t, y, scales: &[], fastest: &[], step };
             return if approaches(system, &moment, contact) { -1.0 } else { 1.0 };
         }
         // What slides was decided to go where its mode says.
@@ -452,6 +452,13 @@ pub(super) fn slides<S: System + ?Sized>(system: &S, event: usize) -> Option<f64
     let contact = contact as usize;
     let stops = system.contacts().all[contact].happened(event) == Some(ContactEvent::Stops);
     stops.then(|| system.contacts().modes(system.phase())[contact].sliding()).filter(|side| *side != 0.0)
+}
+
+/// Whether an event is told of by what decides it: what slides in space may stop, or have turned.
+pub(super) fn is_told_later<S: System + ?Sized>(system: &S, event: usize) -> bool {
+    let [Action::Contact(contact)] = system.description().events[event].actions[..] else { return false };
+    let known = &system.contacts().all[contact as usize];
+    known.direction.is_some() && known.happened(event) == Some(ContactEvent::Stops)
 }
 
 /// Whether an event ends what a contact holds by a force.

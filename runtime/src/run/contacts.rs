@@ -81,12 +81,10 @@ impl Run {
             }
             system.events(at.accelerated(&a).constrained(&lambda), &mut functions);
             for ((contact, mode), value) in contacts.iter().zip(&modes).zip(values) {
-                if let (ContactMode::Sticks, Some(row), Some(event)) =
-                    (mode, contact.tangent, contact.event(ContactEvent::Slips))
-                {
-                    let force = lambda[row as usize];
+                if let (ContactMode::Sticks, Some(event)) = (mode, contact.event(ContactEvent::Slips)) {
+                    let force = contact.tangents().fold(0.0_f64, |force, row| force.hypot(lambda[row as usize]));
                     // Of several that hold together, one may bear more than its own share at its limit.
-                    let part = force.abs() / (functions[2 * event] + force * force).max(0.0).sqrt();
+                    let part = force / (functions[2 * event] + force * force).max(0.0).sqrt();
                     *value = if force == 0.0 { 0.0 } else { part.min(1.0) };
                 }
             }

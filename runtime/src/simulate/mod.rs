@@ -175,12 +175,15 @@ pub(crate) fn settled<'a>(system: &mut dyn System, settings: &'a Settings) -> Co
         return Cow::Borrowed(settings);
     }
     let first = first_phase(system, settings);
-    in_phase(settings, first.as_ref().ok())
+    in_phase(system, settings, first.as_ref().ok())
 }
 
-/// Settings with another phase at the start, if any is given.
-fn in_phase<'a>(settings: &'a Settings, phase: Option<&usize>) -> Cow<'a, Settings> {
+/// Settings with another phase at the start, if any is given, and with the directions in which contacts slide there.
+fn in_phase<'a>(system: &dyn System, settings: &'a Settings, phase: Option<&usize>) -> Cow<'a, Settings> {
     match phase {
+        Some(phase) if system.contacts().all.iter().any(|contact| contact.direction.is_some()) => {
+            Cow::Owned(Settings { phase: *phase, memory: Some(system.memory().to_vec()), ..settings.clone() })
+        }
         Some(phase) if *phase != settings.phase => Cow::Owned(Settings { phase: *phase, ..settings.clone() }),
         _ => Cow::Borrowed(settings),
     }
@@ -194,7 +197,8 @@ fn first_phase(system: &mut dyn System, settings: &Settings) -> Result<usize, Bo
     let guess = set_up(system, settings);
     let held = settings.held();
     let y = consistent(system, &start_of(settings, &guess, &held))?;
-    settle(system, &Moment { t: settings.from, y: &y, scales: &[], step: 0.0 }, Change::Start(begin_at_state))
+    let moment = Moment { t: settings.from, y: &y, scales: &[], fastest: &[], step: 0.0 };
+    settle(system, &moment, Change::Start(begin_at_state))
 }
 
 /// Makes a mechanism what it is where a run begins, in the state of the settings, which is returned: [q; q'].
@@ -246,7 +250,7 @@ struct Start {
 fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Start, Error> {
     check(system, settings)?;
     let first = first_phase(system, settings);
-    let settings = &*in_phase(settings, first.as_ref().ok());
+    let settings = &*in_phase(system, settings, first.as_ref().ok());
     if settings.method == Method::Taylor
         && let Some(reason) = no_series(system, settings)
     {

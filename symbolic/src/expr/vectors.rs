@@ -82,6 +82,25 @@ pub fn cross_space(graph: &mut Graph, a: &[Id], b: &[Id]) -> Vec<Id> {
     vec![component(1, 2), component(2, 0), component(0, 1)]
 }
 
+/// Two unit vectors across a unit vector n of space and each other: smooth in n wherever it is not opposite to the axis `pole`, which is
+/// counted from 0 and to whose positive or negative side n is nearest where this is chosen.
+pub fn across(graph: &mut Graph, n: &[Id], (pole, positive): (usize, bool)) -> [Vec<Id>; 2] {
+    let [first, second] = [(pole + 1) % 3, (pole + 2) % 3];
+    let along = if positive { n[pole] } else { graph.neg(n[pole]) };
+    let reach = graph.add(Id::ONE, along);
+    [first, second].map(|axis| {
+        let mut tangent = vec![Id::ZERO; 3];
+        for other in [first, second] {
+            let product = graph.mul(n[axis], n[other]);
+            let part = graph.div(product, reach);
+            let whole = if axis == other { Id::ONE } else { Id::ZERO };
+            tangent[other] = graph.sub(whole, part);
+        }
+        tangent[pole] = if positive { graph.neg(n[axis]) } else { n[axis] };
+        tangent
+    })
+}
+
 /// |a|.
 pub fn norm(graph: &mut Graph, a: &[Id]) -> Id {
     let square = dot(graph, a, a);
@@ -114,6 +133,23 @@ mod tests {
         let tape = Tape::new(&g, &u);
         assert_eq!(tape.evaluate(|_| 0.0), [0.0, 0.0]);
         assert_eq!(tape.evaluate(|s| if s == Symbol::Coordinate(0) { 3.0 } else { 4.0 }), [0.6, 0.8]);
+    }
+
+    #[test]
+    fn tangents_are_across_their_normal() {
+        let mut g = Graph::new();
+        let n: Vec<Id> = (0..3).map(|i| g.symbol(Symbol::Coordinate(i))).collect();
+        let found: Vec<Id> =
+            [(0, true), (1, false), (2, true)].iter().flat_map(|pole| across(&mut g, &n, *pole).concat()).collect();
+        let normal = [2.0 / 7.0, 3.0 / 7.0, -6.0 / 7.0];
+        let value = |s: Symbol| if let Symbol::Coordinate(i) = s { normal[i as usize] } else { f64::NAN };
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+        for pair in Tape::new(&g, &found).evaluate(value).chunks(6) {
+            let (one, other) = pair.split_at(3);
+            let products =
+                [(one, one, 1.0), (other, other, 1.0), (one, other, 0.0), (one, &normal, 0.0), (other, &normal, 0.0)];
+            assert!(products.iter().all(|(a, b, product)| (dot(a, b) - product).abs() < 1e-15), "{pair:?}");
+        }
     }
 
     #[test]

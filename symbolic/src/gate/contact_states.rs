@@ -26,6 +26,8 @@ struct Said {
     open: Vec<usize>,
     /// Rows of rates at which something slides, each with the sign that it has.
     sliding: Vec<(usize, f64)>,
+    /// The first rows of what slides in space, each with the first of the held values that are its direction.
+    in_space: Vec<(usize, usize)>,
 }
 
 impl ContactStates {
@@ -35,10 +37,14 @@ impl ContactStates {
         let rows: Vec<usize> = model.contacts.iter().filter_map(|contact| contact.normal.map(row)).collect();
         let gaps: Vec<_> = rows.iter().map(|row| all.value[*row]).collect();
         let said = |modes: Vec<ContactMode>| {
-            let mut said = Said { open: Vec::new(), sliding: Vec::new() };
+            let mut said = Said { open: Vec::new(), sliding: Vec::new(), in_space: Vec::new() };
             for (contact, mode) in model.contacts.iter().zip(modes) {
                 let sign = if mode == ContactMode::SlipsBackwards { -1.0 } else { 1.0 };
-                said.sliding.extend(contact.tangent.filter(|_| mode.slips()).map(|constraint| (row(constraint), sign)));
+                let slides = contact.tangent.filter(|_| mode.slips()).map(row);
+                match contact.direction {
+                    Some(direction) => said.in_space.extend(slides.map(|row| (row, direction))),
+                    None => said.sliding.extend(slides.map(|row| (row, sign))),
+                }
                 let gap = contact.normal.filter(|_| !mode.touches()).map(row);
                 said.open.extend(gap.and_then(|gap| rows.iter().position(|row| *row == gap)));
             }
@@ -56,8 +62,12 @@ impl ContactStates {
     /// rates with the opposite signs: false where none is found.
     pub fn meet(&self, constraints: &Constraints, state: &mut State) -> bool {
         let Some(said) = self.phases.get(state.phase) else { return true };
-        (said.open.is_empty() || self.open(constraints, said, state))
-            && (said.sliding.is_empty() || self.turn(constraints, said, state))
+        let meets = (said.open.is_empty() || self.open(constraints, said, state))
+            && (said.sliding.is_empty() || self.turn(constraints, said, state));
+        if meets && !said.in_space.is_empty() {
+            aim(constraints, said, state);
+        }
+        meets
     }
 
     fn open(&self, constraints: &Constraints, said: &Said, state: &mut State) -> bool {
@@ -98,13 +108,32 @@ impl ContactStates {
 
     /// Whether something that slips in a state's phase is at rest there, though constraints would let it slide.
     pub fn rests(&self, constraints: &Constraints, state: &State) -> bool {
-        let Some(said) = self.phases.get(state.phase).filter(|said| !said.sliding.is_empty()) else { return false };
+        let slides = |said: &&Said| !(said.sliding.is_empty() && said.in_space.is_empty());
+        let Some(said) = self.phases.get(state.phase).filter(slides) else { return false };
         let rates = constraints.rates(state);
         let active = constraints.active(state.phase);
         let free = |row: usize| {
             let with = [active, &[row]].concat();
             constraints.rank_of(state, &with).0 > constraints.rank_of(state, active).0
         };
-        said.sliding.iter().any(|(row, _)| rates[*row].vanishes(ROUNDINGS) && free(*row))
+        let still = |row: usize| rates[row].vanishes(ROUNDINGS);
+        said.sliding.iter().any(|(row, _)| still(*row) && free(*row))
+            || said.in_space.iter().any(|(row, _)| {
+                let both = [*row, *row + 1];
+                both.into_iter().all(still) && both.into_iter().any(free)
+            })
+    }
+}
+
+/// Holds the direction in which a state lets things slide.
+fn aim(constraints: &Constraints, said: &Said, state: &mut State) {
+    let rates = constraints.rates(state);
+    for (row, direction) in &said.in_space {
+        let along = [0, 1].map(|k| rates[row + k].value.to_f64());
+        if let Some([first, second, least]) = state.memory.get_mut(*direction..direction + 3)
+            && along != [0.0; 2]
+        {
+            ([*first, *second], *least) = (along, 0.0);
+        }
     }
 }

@@ -6,19 +6,22 @@ use crate::expr::Id;
 /// What `friction` or `contacts` declares.
 ///
 /// A contact has a gap g ≥ 0 and a force N ≥ 0 across it, of which one is 0; where something rubs there is a sliding rate s, and a force T
-/// against it: T = −L sign(s) while it slides, |T| ≤ L₀ while it sticks, s = 0.
+/// against it: T = −L sign(s) while it slides, |T| ≤ L₀ while it sticks, s = 0. In space s and T are vectors across the normal, T = −L s/|s|.
 #[derive(Clone, Debug)]
 pub struct Contact {
     /// Its expanded name.
     pub name: String,
     /// The constraint g = 0, by its place; absent for friction alone, which is always in touch.
     pub normal: Option<usize>,
-    /// The constraint s = 0, by its place; absent where nothing rubs.
+    /// The constraint s = 0, by its place; absent where nothing rubs. In space it has two rows.
     pub tangent: Option<usize>,
+    /// In space, where something rubs: the first of three held values, by its place, which are the direction of sliding, as components along both
+    /// rows of `tangent`, and the rate below which a sliding rate has no direction of its own.
+    pub direction: Option<usize>,
     /// The coefficient of restitution, of parameters; absent for friction alone.
     pub restitution: Option<Id>,
     /// The first of its events, by its place: with a gap it lands (g falls through 0) and lifts (N does); where something rubs it stops
-    /// (s is 0) and slips (L₀² − T² falls through 0).
+    /// (s, or in space its component along the direction of sliding, is 0) and slips (L₀² − T² falls through 0).
     pub first_event: usize,
     /// Where it is declared.
     pub place: Place,
@@ -27,7 +30,7 @@ pub struct Contact {
 impl Contact {
     /// What it may do.
     pub fn modes(&self) -> &'static [ContactMode] {
-        ContactMode::of(self.normal.is_some(), self.tangent.is_some())
+        ContactMode::of(self.normal.is_some(), self.tangent.is_some(), self.direction.is_some())
     }
 }
 
@@ -44,13 +47,16 @@ pub enum ContactMode {
     SlipsForwards,
     /// s ≤ 0.
     SlipsBackwards,
+    /// s in any direction, in space.
+    Slides,
 }
 
 impl ContactMode {
     /// The modes of a contact with these constraints; the first is in force where a model's first phase is.
-    pub fn of(normal: bool, tangent: bool) -> &'static [ContactMode] {
-        use ContactMode::{Closed, Open, SlipsBackwards, SlipsForwards, Sticks};
+    pub fn of(normal: bool, tangent: bool, in_space: bool) -> &'static [ContactMode] {
+        use ContactMode::{Closed, Open, Slides, SlipsBackwards, SlipsForwards, Sticks};
         match (normal, tangent) {
+            (true, true) if in_space => &[Open, Slides, Sticks],
             (true, true) => &[Open, SlipsForwards, SlipsBackwards, Sticks],
             (true, false) => &[Open, Closed],
             (false, _) => &[SlipsForwards, SlipsBackwards, Sticks],
@@ -65,6 +71,7 @@ impl ContactMode {
             ContactMode::Sticks => "sticks",
             ContactMode::SlipsForwards => "slips forwards",
             ContactMode::SlipsBackwards => "slips backwards",
+            ContactMode::Slides => "slides",
         }
     }
 
@@ -75,7 +82,7 @@ impl ContactMode {
 
     /// Whether they slide on each other: in a mode of a contact where something rubs.
     pub fn slips(self) -> bool {
-        matches!(self, ContactMode::SlipsForwards | ContactMode::SlipsBackwards)
+        matches!(self, ContactMode::SlipsForwards | ContactMode::SlipsBackwards | ContactMode::Slides)
     }
 }
 

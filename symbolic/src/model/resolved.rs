@@ -187,7 +187,7 @@ impl Model {
 
     /// The rows of these constraints, which contacts have.
     pub(crate) fn rows_of_contacts(&self, constraints: impl Iterator<Item = usize>) -> Vec<usize> {
-        constraints.filter_map(|place| self.constraints.get(place)).map(|constraint| constraint.first).collect()
+        constraints.filter_map(|place| self.constraints.get(place)).flat_map(Constraint::rows).collect()
     }
 
     /// The rows of all contacts' constraints.
@@ -420,14 +420,19 @@ impl Constraint {
         self.first..self.first + self.value.len()
     }
 
-    /// The names of its components: `rod`; `pin.x`, `pin.y`.
+    /// The names of its components: `rod`; `pin.x`, `pin.y`; in space `floor.friction.1`, `floor.friction.2`.
     pub fn row_names(&self) -> Vec<String> {
         (0..self.value.len()).map(|place| self.component(place)).collect()
     }
 
     /// The name of one component.
     pub fn component(&self, place: usize) -> String {
-        let axis = if self.scalar { "" } else { [".x", ".y", ".z"][place.min(2)] };
+        let axes = match self.name.ends_with(".friction") {
+            // Along two directions across a normal.
+            true => [".1", ".2", ""],
+            false => [".x", ".y", ".z"],
+        };
+        let axis = if self.scalar { "" } else { axes[place.min(2)] };
         format!("{}{axis}", self.name)
     }
 }

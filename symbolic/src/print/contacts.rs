@@ -18,10 +18,11 @@ pub(super) fn contacts(program: &Program) -> String {
     let restitutions = program.restitutions_of_contacts();
     let all = list(model.contacts.iter().zip(restitutions).map(|(contact, restitution)| {
         format!(
-            "mechanism::Contact {{ name: {}, normal: {}, tangent: {}, first_event: {}, restitution: {} }}",
+            "mechanism::Contact {{ name: {}, normal: {}, tangent: {}, direction: {}, first_event: {}, restitution: {} }}",
             string(&contact.name),
             row(contact.normal),
             row(contact.tangent),
+            number(contact.direction),
             contact.first_event,
             number(restitution)
         )

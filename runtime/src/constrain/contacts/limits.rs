@@ -1,5 +1,7 @@
 //! Limits of friction that are none.
 
+use super::directions::direction;
+use super::{held_direction, kinematics};
 use crate::cause::Cause;
 use crate::mechanism::dense::{constraint_matrix, multiplier_effects};
 use crate::mechanism::{At, ContactEvent, ContactMode, System};
@@ -72,6 +74,29 @@ pub(super) fn possible_limits_of(
     })
 }
 
+/// The limit of sliding of a contact as a part of that of sticking, in the phase in force; `None` where it is not known.
+pub(super) fn part_of_sticking(
+    system: &mut dyn System,
+    at: (f64, &[f64]),
+    touches: &[bool],
+    contact: usize,
+) -> Option<f64> {
+    let known = limits(system, at, touches).into_iter().find(|limit| limit.contact == contact)?;
+    (known.sticks > 0.0).then_some(known.slides / known.sticks)
+}
+
+/// ∂s/∂q' of a contact; in space of s along the direction of sliding, as generated code has it.
+pub(super) fn along_sliding(system: &dyn System, at: At<'_>, contact: usize) -> Vec<f64> {
+    let known = &system.contacts().all[contact];
+    let rows: Vec<usize> = known.tangents().map(|row| row as usize).collect();
+    let matrix = constraint_matrix(system, at, &rows);
+    let parts = match known.direction {
+        Some(_) => direction(kinematics(system, at)[contact].sliding, held_direction(system, contact)),
+        None => [1.0, 0.0],
+    };
+    (0..at.q.len()).map(|i| (0..rows.len()).map(|row| parts[row] * matrix[(row, i)]).sum()).collect()
+}
+
 fn limits(system: &mut dyn System, (t, y): (f64, &[f64]), touches: &[bool]) -> Vec<Limit> {
     let (n, phase, contacts) = (system.len(), system.phase(), system.contacts().all.clone());
     let (modes, rows) = (system.contacts().modes(phase), system.description().rows.len());
@@ -84,16 +109,14 @@ fn limits(system: &mut dyn System, (t, y): (f64, &[f64]), touches: &[bool]) -> V
     }
     let all: Vec<usize> = (0..rows).collect();
     for k in rubs {
-        let (Some(tangent), Some(event)) = (contacts[k].tangent, contacts[k].event(ContactEvent::Slips)) else {
-            continue;
-        };
-        let tangent = tangent as usize;
+        let Some(event) = contacts[k].event(ContactEvent::Slips) else { continue };
+        let tangents: Vec<usize> = contacts[k].tangents().map(|row| row as usize).collect();
         // Of a contact the coefficient is looked at: what it is with a force across of 1.
         let mut known = match contacts[k].normal {
             Some(normal) => (0..rows).map(|row| f64::from(u8::from(row == normal as usize))).collect(),
             None => lambda.clone(),
         };
-        known[tangent] = 0.0;
+        tangents.iter().for_each(|tangent| known[*tangent] = 0.0);
         let mut forces = |mode: ContactMode| -> Vec<f64> {
             let mut modes = modes.clone();
             modes[k] = mode;
@@ -106,12 +129,16 @@ fn limits(system: &mut dyn System, (t, y): (f64, &[f64]), touches: &[bool]) -> V
             }
             (0..n).map(|i| (0..rows).map(|row| by_multipliers[(i, row)] * known[row]).sum::<f64>() - h[i]).collect()
         };
-        let [forwards, backwards] = [ContactMode::SlipsForwards, ContactMode::SlipsBackwards].map(&mut forces);
-        let along = constraint_matrix(system, at, &[tangent]);
-        let (along, size) = (along.as_slice(), along.norm_squared());
-        // Sliding forwards it pushes with −L along the rate, backwards with L.
+        // Sliding forwards it pushes with −L along the rate, backwards with L; where it sticks with nothing.
+        let (both, times) = match contacts[k].direction {
+            Some(_) => ([ContactMode::Slides, ContactMode::Sticks], 1.0),
+            None => ([ContactMode::SlipsForwards, ContactMode::SlipsBackwards], 0.5),
+        };
+        let [forwards, backwards] = both.map(&mut forces);
+        let along = along_sliding(system, at, k);
+        let size = along.iter().map(|x| x * x).sum::<f64>();
         let part = |of: &dyn Fn(usize) -> f64| (0..n).map(|i| along[i] * of(i)).sum::<f64>() / size;
-        let slides = 0.5 * part(&|i| backwards[i] - forwards[i]);
+        let slides = times * part(&|i| backwards[i] - forwards[i]);
         let terms =
             (0..n).map(|i| (along[i] * forwards[i]).abs().max((along[i] * backwards[i]).abs())).sum::<f64>() / size;
         let mut pairs = vec![0.0; 2 * system.description().events.len()];

@@ -1,22 +1,26 @@
 //! Friction that sticks and contacts that open by themselves: what all of them do from an instant on.
 //!
 //! 1. What is known of each at the instant, and which combination of modes the forces agree with: look in `modes.rs`.
+//!    In which direction what slides in space begins to: look in `directions.rs`.
 //! 2. Limits of friction that are none: look in `limits.rs`.
 //! 3. Impacts of several at once, by a stated law: look in `strike.rs`.
 
+mod directions;
 mod limits;
 mod modes;
 mod strike;
 
 pub(crate) use limits::possible_limits;
-pub(crate) use modes::{Change, is_released, settle};
+pub(crate) use modes::{Change, Turned, is_released, settle, turned};
 pub(crate) use strike::{Strike, strike};
 
 use nalgebra::DMatrix;
 
+use directions::{along, is_near};
+
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{constraint_matrix, constraint_triples, sizes_alike};
-use crate::mechanism::{At, ContactEvent, ContactMode, System, rows_in_force};
+use crate::mechanism::{At, Contact, ContactEvent, ContactMode, System, rows_in_force};
 
 /// A gap below this part of the sum of its terms, or of what the sizes of coordinates make of it, is closed: instants at which contacts
 /// close are located to some 1e-13 of them.
@@ -39,6 +43,8 @@ pub(crate) struct Moment<'a> {
     pub y: &'a [f64],
     /// The largest Σ |terms| that the rows of the constraints have had; none where the motion begins.
     pub scales: &'a [f64],
+    /// The largest speeds so far, where something may slide in space and they are known.
+    pub fastest: &'a [f64],
     /// The length of the step that led here, or of one from here on if that is shorter, s; 0 where the motion begins.
     pub step: f64,
 }
@@ -50,8 +56,8 @@ pub(crate) struct Kinematics {
     pub gap: f64,
     /// Its rate.
     pub gap_rate: f64,
-    /// The sliding rate.
-    pub sliding: f64,
+    /// The sliding rates, of which there is one in the plane.
+    pub sliding: [f64; 2],
 }
 
 /// Of each contact how its sides are placed and move.
@@ -61,9 +67,47 @@ pub(crate) fn kinematics<S: System + ?Sized>(system: &S, at: At<'_>) -> Vec<Kine
         return Vec::new();
     }
     let triples = constraint_triples(system, at);
-    let of = |row: Option<u32>| row.map_or([0.0; 3], |row| triples[row as usize]);
-    let contacts = contacts.iter().map(|contact| (of(contact.normal), of(contact.tangent)));
-    contacts.map(|([gap, gap_rate, _], [_, sliding, _])| Kinematics { gap, gap_rate, sliding }).collect()
+    let one = |contact: &Contact| {
+        let [gap, gap_rate, _] = contact.normal.map_or([0.0; 3], |row| triples[row as usize]);
+        let mut sliding = [0.0; 2];
+        sliding.iter_mut().zip(contact.tangents()).for_each(|(rate, row)| *rate = triples[row as usize][1]);
+        Kinematics { gap, gap_rate, sliding }
+    };
+    contacts.iter().map(one).collect()
+}
+
+/// The direction of sliding that is held for a contact in space, and the rate below which there is none; in the plane any.
+fn held_direction<S: System + ?Sized>(system: &S, contact: usize) -> [f64; 3] {
+    let first = system.contacts().all[contact].direction.map_or(0, |first| first as usize);
+    let known = system.memory().get(first..first + 3);
+    known.and_then(|known| known.try_into().ok()).unwrap_or([1.0, 0.0, 0.0])
+}
+
+/// Holds another direction of sliding for a contact in space.
+fn hold_direction(system: &mut dyn System, contact: usize, direction: [f64; 2], least: f64) {
+    let Some(first) = system.contacts().all[contact].direction.map(|first| first as usize) else { return };
+    let mut memory = system.memory().to_vec();
+    memory[first..first + 3].copy_from_slice(&[direction[0], direction[1], least]);
+    system.set_memory(&memory);
+}
+
+/// Holds for each contact that slides in space the direction in which it does, where that is no longer near the one that is held; true where any is not.
+pub(crate) fn follow_directions(system: &mut dyn System, moment: &Moment<'_>) -> bool {
+    let modes = system.contacts().modes(system.phase());
+    let known = kinematics(system, At::packed(moment.t, moment.y, system.len()));
+    let turned = |k: &usize| {
+        let [d1, d2, least] = held_direction(system, *k);
+        let s = known[*k].sliding;
+        modes[*k] == ContactMode::Slides && !is_near(s, [d1, d2]) && s[0].hypot(s[1]) > least
+    };
+    let turned: Vec<usize> = (0..modes.len()).filter(turned).collect();
+    if turned.is_empty() {
+        return false;
+    }
+    let situation = Situation::new(system, moment);
+    let turned: Vec<usize> = turned.into_iter().filter(|k| !situation.still[*k][1]).collect();
+    turned.iter().for_each(|k| hold_direction(system, *k, along(known[*k].sliding), situation.least[*k]));
+    !turned.is_empty()
 }
 
 /// Whether the sides of a contact approach, as far as rounding tells.
@@ -135,10 +179,12 @@ struct Situation {
     still: Vec<[bool; 2]>,
     /// Whether the constraints in force keep the rate of sliding at zero: those of other contacts, or its own.
     held: Vec<bool>,
+    /// What of the rates of sliding is rounding.
+    least: Vec<f64>,
 }
 
 impl Situation {
-    fn new<S: System + ?Sized>(system: &S, &Moment { t, y, scales, step }: &Moment<'_>) -> Situation {
+    fn new<S: System + ?Sized>(system: &S, &Moment { t, y, scales, fastest, step }: &Moment<'_>) -> Situation {
         let n = system.len();
         let at = At::packed(t, y, n);
         let contacts = &system.contacts().all;
@@ -162,17 +208,25 @@ impl Situation {
         // What the sizes of speeds make of a rate whose terms are small here, as of what falls along a wall.
         let speeds = sizes_alike(system.description(), at.v);
         let speed = |row: usize| (0..n).map(|i| (matrix[(row, i)] * speeds[i]).abs()).sum::<f64>();
-        let still = |row: Option<u32>| {
-            row.is_none_or(|row| {
-                let row = row as usize;
-                triples[row][1].abs() <= (STILL * terms(row).max(speed(row))).max(NOW * change(row))
-            })
+        let seen = |row: usize| fastest.iter().enumerate().map(|(i, v)| (matrix[(row, i)] * v).abs()).sum::<f64>();
+        let in_space: Vec<u32> =
+            contacts.iter().filter(|c| c.direction.is_some()).flat_map(Contact::tangents).collect();
+        // In space all that moves may stop at once, whatever the direction is in which it does.
+        let fast = |row: usize| if in_space.contains(&(row as u32)) { seen(row) } else { 0.0 };
+        let rounding = |row: usize| STILL * terms(row).max(speed(row)).max(fast(row));
+        let still = |rows: &mut dyn Iterator<Item = u32>| {
+            let (mut rate, mut within) = (0.0_f64, 0.0_f64);
+            for row in rows.map(|row| row as usize) {
+                rate = rate.hypot(triples[row][1]);
+                within = within.max(rounding(row)).max(NOW * change(row));
+            }
+            rate <= within
         };
         let active: Vec<usize> = rows_in_force(system).collect();
         let basis = matrix.select_rows(&active).transpose();
         // J_t = Σ c_k J_k, and what of the rate no speed makes is zero in this sum, too.
-        let held = |row: Option<u32>| {
-            let row = row? as usize;
+        let held = |row: u32| {
+            let row = row as usize;
             let own = matrix.row(row).transpose();
             let parts = solve_least(&basis, &DMatrix::from_column_slice(n, 1, own.as_slice()))?;
             let missed = (&own - &basis * &parts).amax();
@@ -186,8 +240,18 @@ impl Situation {
             modes: system.contacts().modes(system.phase()),
             kinematics: kinematics(system, at),
             closed: contacts.iter().map(|contact| closed(contact.normal)).collect(),
-            still: contacts.iter().map(|contact| [still(contact.normal), still(contact.tangent)]).collect(),
-            held: contacts.iter().map(|contact| held(contact.tangent).unwrap_or(false)).collect(),
+            still: contacts
+                .iter()
+                .map(|contact| [still(&mut contact.normal.into_iter()), still(&mut contact.tangents())])
+                .collect(),
+            held: contacts
+                .iter()
+                .map(|contact| contact.tangent.is_some() && contact.tangents().all(|row| held(row).unwrap_or(false)))
+                .collect(),
+            least: contacts
+                .iter()
+                .map(|contact| contact.tangents().map(|row| rounding(row as usize)).fold(0.0, f64::max))
+                .collect(),
         }
     }
 }

@@ -4,13 +4,14 @@
 //! it opens, |T| ≤ L₀ where it sticks, and s' in the direction in which it begins to slip.  The linear complementarity problem that this is
 //! (Glocker, Set-Valued Force Laws, 2001, ch. 5–6) is solved by trying combinations, those first that change least.
 
-use super::limits::possible_limits_of;
+use super::directions::{along, consistent, is_near};
+use super::limits::{part_of_sticking, possible_limits_of};
 use super::strike::Strike;
-use super::{Kinematics, Moment, Situation, combinations, words};
+use super::{Kinematics, Moment, STILL, Situation, combinations, held_direction, hold_direction, words};
 use crate::cause::Cause;
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{constraint_matrix, mass_matrix};
-use crate::mechanism::{At, ContactEvent, ContactMode, System};
+use crate::mechanism::{At, ContactEvent, ContactMode, System, rows_in_force};
 
 /// A force, or an acceleration, below this part of the largest under any combination is zero.
 const NOTHING: f64 = 1e-10;
@@ -18,6 +19,13 @@ const NOTHING: f64 = 1e-10;
 const RELEASED: f64 = 1e-6;
 /// Accelerations that differ by less than this part of the largest are the same motion.
 const ALIKE: f64 = 1e-8;
+/// What begins to slide has its direction until it is so many times faster than what it slides with at first, which is rounding.
+const BELOW: f64 = 1e3;
+/// The part of a step in which friction does what is lost in the rounding of a rate.
+const GRAIN: f64 = 1e-10;
+/// What slides more slowly than this part of the terms of its rate, and could be held by this part of its friction of sliding, stops.
+const SLOW: f64 = 1e-7;
+const ENOUGH: f64 = 0.95;
 /// So far ahead, in steps, combinations are told apart in which all moves alike: no further than shows a difference.
 const AHEAD: [f64; 3] = [1e-4, 1e-2, 1.0];
 
@@ -79,6 +87,8 @@ struct Trial {
     /// Of each contact what must not be negative, with the size beside which it is judged.
     signs: Vec<Vec<Sign>>,
     accelerations: Vec<f64>,
+    /// What is held, with the directions in which it slides in space.
+    memory: Vec<f64>,
 }
 
 /// A number that is not negative where a combination is the motion's.
@@ -121,13 +131,17 @@ pub(crate) fn settle(system: &mut dyn System, moment: &Moment<'_>, change: Chang
         (0..situation.modes.len()).map(|k| known(system, &situation, (k, change), (t, y))).collect();
     let mut trials = Vec::new();
     let compliance = compliance(system, At::packed(t, y, system.len()));
+    let known = with_grain(system, moment, &compliance, known);
     let shared = Shared { known: &known, compliance: &compliance, begins: change.begins() };
+    let memory_before = system.memory().to_vec();
+    aim(system, &situation, &known);
     let modes_before = system.modes().to_vec();
     let before_it = (!matches!(change, Change::Start(_))).then_some(situation.modes.as_slice());
     for modes in in_order(before_it, &known) {
         trials.extend(tried(system, (t, y), shared, modes));
     }
     system.set_phase(before);
+    system.set_memory(&memory_before);
     let forced = match change {
         Change::Event { contact, what: ContactEvent::Lifts } => Some((contact, Kind::Opens)),
         Change::Event { contact, what: ContactEvent::Slips } => Some((contact, Kind::Slides)),
@@ -167,7 +181,72 @@ pub(crate) fn settle(system: &mut dyn System, moment: &Moment<'_>, change: Chang
     };
     let phase = system.contacts().phase(&chosen.modes);
     system.set_phase(phase);
+    system.set_memory(&chosen.memory);
     Ok(phase)
+}
+
+/// What a contact in space does whose sliding rate along the direction that is held is zero.
+pub(crate) enum Turned {
+    /// It slides on, in the direction that is held now.
+    On,
+    /// It stops: all of its sliding rate is rounding.
+    Stops,
+    /// It slides so slowly that friction takes the rest at once, which leaves these rows at zero.
+    Dies(Vec<usize>),
+}
+
+/// Whether a contact in space stops that has turned through a right angle, or nearly stops and could be held by its friction of sliding: that takes what
+/// little is left away, in whatever direction it is.
+pub(crate) fn turned(system: &mut dyn System, moment: &Moment<'_>, contact: usize) -> Turned {
+    let situation = Situation::new(system, moment);
+    if situation.still[contact][1] {
+        return Turned::Stops;
+    }
+    let s = situation.kinematics[contact].sliding;
+    if s[0].hypot(s[1]) <= SLOW / STILL * situation.least[contact]
+        && let Some(rows) = is_held_by_sliding(system, moment, &situation.modes, contact)
+    {
+        return Turned::Dies(rows);
+    }
+    hold_direction(system, contact, along(s), situation.least[contact]);
+    Turned::On
+}
+
+/// The rows in force where a contact sticks instead, if the friction of sliding is enough, and more, for that.
+fn is_held_by_sliding(
+    system: &mut dyn System,
+    &Moment { t, y, .. }: &Moment<'_>,
+    modes: &[ContactMode],
+    contact: usize,
+) -> Option<Vec<usize>> {
+    let phase = system.phase();
+    let mut stuck = modes.to_vec();
+    stuck[contact] = ContactMode::Sticks;
+    let held = system.contacts().phase(&stuck);
+    system.set_phase(held);
+    let at = At::packed(t, y, system.len());
+    let (mut a, mut lambda) = (vec![0.0; system.len()], vec![0.0; system.description().rows.len()]);
+    let solved = system.accelerations_and_multipliers(at, &mut a, &mut lambda).is_ok();
+    let rows = rows_in_force(system).collect();
+    let pressed = system.contacts().all[contact].normal.is_none_or(|row| lambda[row as usize] > 0.0);
+    let margin = margins(system, at.accelerated(&a).constrained(&lambda))[contact];
+    let touches: Vec<bool> = modes.iter().map(|mode| mode.touches()).collect();
+    let part = part_of_sticking(system, (t, y), &touches, contact);
+    system.set_phase(phase);
+    // T/L₀ of (L₀² − T²)/(L₀² + T²).
+    let used = ((1.0 - margin) / (1.0 + margin)).sqrt();
+    (solved && pressed && used <= ENOUGH * part?).then_some(rows)
+}
+
+/// Holds the directions of what slides in space and is not at rest there, where it is not near the one that is held.
+fn aim(system: &mut dyn System, situation: &Situation, known: &[Known]) {
+    for (k, known) in known.iter().enumerate() {
+        let (s, [d1, d2, least]) = (situation.kinematics[k].sliding, held_direction(system, k));
+        let slides = known.options.contains(&ContactMode::Slides) && !known.rolls;
+        if slides && !(least > 0.0 && is_near(s, [d1, d2])) {
+            hold_direction(system, k, along(s), situation.least[k]);
+        }
+    }
 }
 
 /// Whether a contact that reached its limit is held by less since others, which reached theirs at the same instant, began to slide.
@@ -185,23 +264,31 @@ pub(crate) fn is_released(system: &mut dyn System, moment: &Moment<'_>, contact:
     let change = Change::Event { contact, what: ContactEvent::Slips };
     let known: Vec<Known> = (0..situation.modes.len()).map(|k| known(system, &situation, (k, change), at)).collect();
     let compliance = compliance(system, At::packed(moment.t, moment.y, system.len()));
+    let known = with_grain(system, moment, &compliance, known);
     let shared = Shared { known: &known, compliance: &compliance, begins: None };
     let mut instead = situation.modes.clone();
     begin.into_iter().for_each(|k| instead[k] = ContactMode::Sticks);
     let all_stick = system.contacts().phase(&instead);
     system.set_phase(all_stick);
-    instead[contact] = direction_of_force(system, contact, at);
-    let trials = [situation.modes, instead].map(|modes| tried(system, at, shared, modes));
+    instead[contact] = match known[contact].options.contains(&ContactMode::Slides) {
+        true => ContactMode::Slides,
+        false => direction_of_force(system, contact, at),
+    };
+    let memory = system.memory().to_vec();
+    let [present, other] = [situation.modes, instead].map(|modes| {
+        let trials = tried(system, at, shared, modes);
+        system.set_memory(&memory);
+        trials
+    });
     system.set_phase(phase);
-    let [Some(present), other] = trials else { return Ok(false) };
+    let Some(present) = present.into_iter().next() else { return Ok(false) };
     let is_held = |sign: &Sign| sign.kind == Kind::Holds && sign.value > RELEASED;
     if !present.signs[contact].iter().any(is_held) {
         return Ok(false);
     }
     let both: Vec<Trial> = std::iter::once(present).chain(other).collect();
-    if let [present, other] = both.as_slice()
-        && agrees(other, &both, None)
-        && !alike(&both)(present, other)
+    if let [present, others @ ..] = both.as_slice()
+        && others.iter().any(|other| agrees(other, &both, None) && !alike(&both)(present, other))
     {
         let found = both.iter().map(|trial| words(system, &trial.modes)).collect();
         return Err(Cause::UndecidedContacts { found }.into());
@@ -242,7 +329,14 @@ fn lasting<'a>(
         let a = &alike[0].accelerations;
         let place = |i: usize| y[i] + ahead * (y[n + i] + 0.5 * ahead * a[i]);
         let later: Vec<f64> = (0..n).map(place).chain((0..n).map(|i| y[n + i] + ahead * a[i])).collect();
-        let again = |trial: &&Trial| tried(system, (t + ahead, &later), shared, trial.modes.clone());
+        let memory = system.memory().to_vec();
+        let again = |trial: &&Trial| {
+            system.set_memory(&trial.memory);
+            enter(system, (t + ahead, &later), shared, &trial.modes);
+            let found = trial_of(system, (t + ahead, &later), shared, &trial.modes);
+            system.set_memory(&memory);
+            found
+        };
         let trials: Vec<Option<Trial>> = alike.iter().map(again).collect();
         let all: Vec<Trial> = trials.iter().flatten().cloned().collect();
         let lasts = |trial: &Option<Trial>| trial.as_ref().is_some_and(|trial| agrees(trial, &all, None));
@@ -272,6 +366,8 @@ struct Known {
     touches: bool,
     /// Whether its sides do not slide on each other now.
     rolls: bool,
+    /// The rate below which it has no direction of sliding where it begins to.
+    least: f64,
 }
 
 fn known(system: &mut dyn System, situation: &Situation, (k, change): (usize, Change<'_>), at: (f64, &[f64])) -> Known {
@@ -310,15 +406,18 @@ fn known(system: &mut dyn System, situation: &Situation, (k, change): (usize, Ch
     if touches && happened != Some(ContactEvent::Lifts) {
         match happened {
             _ if contact.tangent.is_none() => options.push(ContactMode::Closed),
+            Some(ContactEvent::Slips) if contact.direction.is_some() => options.push(ContactMode::Slides),
             Some(ContactEvent::Slips) => {
                 let gives_way = direction_of_force(system, k, at);
                 // The other direction only shows what the friction does to the sliding.
                 options.extend([gives_way, opposite(gives_way)]);
             }
+            _ if contact.direction.is_some() && rolls => options.extend([ContactMode::Sticks, ContactMode::Slides]),
+            _ if contact.direction.is_some() => options.push(ContactMode::Slides),
             _ if rolls => {
                 options.extend([ContactMode::Sticks, ContactMode::SlipsForwards, ContactMode::SlipsBackwards]);
             }
-            _ if sliding < 0.0 => options.push(ContactMode::SlipsBackwards),
+            _ if sliding[0] < 0.0 => options.push(ContactMode::SlipsBackwards),
             _ => options.push(ContactMode::SlipsForwards),
         }
     }
@@ -330,7 +429,37 @@ fn known(system: &mut dyn System, situation: &Situation, (k, change): (usize, Ch
     if let Some(place) = options.iter().position(kept) {
         options[..=place].rotate_right(1);
     }
-    Known { options, touches, rolls }
+    let least = situation.least[k].max(BELOW * sliding[0].hypot(sliding[1]));
+    Known { options, touches, rolls, least }
+}
+
+/// With what friction does to a sliding rate in the shortest part of a step, before which what begins to slide in space has the direction in which it
+/// begins: at its limit it hardly moves at first, and turns as fast as it is slow.
+fn with_grain(
+    system: &dyn System,
+    &Moment { t, y, step, .. }: &Moment<'_>,
+    compliance: &[f64],
+    mut known: Vec<Known>,
+) -> Vec<Known> {
+    let (contacts, n) = (&system.contacts().all, system.len());
+    if step == 0.0 || !contacts.iter().any(|contact| contact.direction.is_some()) {
+        return known;
+    }
+    let (mut a, mut lambda) = (vec![0.0; n], vec![0.0; system.description().rows.len()]);
+    let at = At::packed(t, y, n);
+    if system.accelerations_and_multipliers(at, &mut a, &mut lambda).is_err() {
+        return known;
+    }
+    let mut pairs = vec![0.0; 2 * system.description().events.len()];
+    system.events(at.accelerated(&a).constrained(&lambda), &mut pairs);
+    for (known, contact) in known.iter_mut().zip(contacts.iter()).filter(|(_, contact)| contact.direction.is_some()) {
+        let Some(event) = contact.event(ContactEvent::Slips) else { continue };
+        let held: f64 = contact.tangents().map(|row| lambda[row as usize].powi(2)).sum();
+        let limit = (pairs[2 * event] + held).max(0.0).sqrt();
+        let most = contact.tangents().map(|row| compliance[row as usize]).fold(0.0, f64::max);
+        known.least = known.least.max(GRAIN * step * limit * most);
+    }
+    known
 }
 
 /// The direction in which a contact that sticks with all its force gives way: against the force.
@@ -359,38 +488,110 @@ fn in_order(present: Option<&[ContactMode]>, known: &[Known]) -> Vec<Vec<Contact
     all
 }
 
-/// Forces and accelerations under a combination; `None` where there are none.
-fn tried(
-    system: &mut dyn System,
-    (t, y): (f64, &[f64]),
-    Shared { known, compliance, begins }: Shared<'_>,
-    modes: Vec<ContactMode>,
-) -> Option<Trial> {
-    let contacts = system.contacts().all.clone();
-    let phase = system.contacts().phase(&modes);
+/// Puts a combination in force, with the sides of discontinuities that it has where a motion begins.
+fn enter(system: &mut dyn System, (t, y): (f64, &[f64]), shared: Shared<'_>, modes: &[ContactMode]) {
+    let phase = system.contacts().phase(modes);
     system.set_phase(phase);
-    if let Some(put_on_sides) = begins {
+    if let Some(put_on_sides) = shared.begins {
         put_on_sides(system, t, y);
     }
-    let n = system.len();
-    let at = At::packed(t, y, n);
-    let rows = system.description().rows.len();
-    let (mut a, mut lambda) = (vec![0.0; n], vec![0.0; rows]);
-    system.accelerations_and_multipliers(at, &mut a, &mut lambda).ok()?;
-    let mut second = vec![0.0; rows];
-    system.constraint_bias(at, &mut second);
-    let mut values = vec![0.0; system.description().constraint_pattern.len()];
-    system.constraint_matrix(at, &mut values);
-    let mut terms: Vec<f64> = second.iter().map(|bias| bias.abs()).collect();
-    for ((row, column), value) in system.description().constraint_pattern.iter().zip(values) {
-        let term = value * a[*column as usize];
-        second[*row as usize] += term;
-        terms[*row as usize] += term.abs();
+}
+
+/// Forces and accelerations under a combination, with all directions in which contacts of space may begin to slide; none where there are none.
+fn tried(system: &mut dyn System, at: (f64, &[f64]), shared: Shared<'_>, modes: Vec<ContactMode>) -> Vec<Trial> {
+    let begins = |k: &usize| modes[*k] == ContactMode::Slides && shared.known[*k].rolls;
+    let beginning: Vec<usize> = (0..modes.len()).filter(begins).collect();
+    let memory = system.memory().to_vec();
+    let guesses = match beginning.as_slice() {
+        [_, _, ..] => against_forces(system, at, &modes, &beginning),
+        few => vec![[1.0, 0.0]; few.len()],
+    };
+    enter(system, at, shared, &modes);
+    let aimed = |system: &mut dyn System, directions: &[[f64; 2]]| {
+        for (k, direction) in beginning.iter().zip(directions) {
+            hold_direction(system, *k, *direction, shared.known[*k].least);
+        }
+    };
+    let tangents: Vec<Option<usize>> =
+        system.contacts().all.iter().map(|contact| contact.tangent.map(|row| row as usize)).collect();
+    let found = consistent(&guesses, &mut |directions| {
+        aimed(system, directions);
+        let Motion { second, .. } = Motion::of(system, at)?;
+        beginning.iter().map(|k| tangents[*k].map(|row| [second[row], second[row + 1]])).collect()
+    });
+    let mut trials = Vec::new();
+    for directions in found {
+        aimed(system, &directions);
+        trials.extend(trial_of(system, at, shared, &modes));
     }
+    system.set_memory(&memory);
+    trials
+}
+
+/// The directions against the forces with which contacts would stick.
+fn against_forces(
+    system: &mut dyn System,
+    (t, y): (f64, &[f64]),
+    modes: &[ContactMode],
+    contacts: &[usize],
+) -> Vec<[f64; 2]> {
+    let mut stuck = modes.to_vec();
+    contacts.iter().for_each(|k| stuck[*k] = ContactMode::Sticks);
+    let phase = system.contacts().phase(&stuck);
+    system.set_phase(phase);
+    let (mut a, mut lambda) = (vec![0.0; system.len()], vec![0.0; system.description().rows.len()]);
+    let solved = system.accelerations_and_multipliers(At::packed(t, y, system.len()), &mut a, &mut lambda).is_ok();
+    let all = &system.contacts().all;
+    let against = |k: &usize| {
+        let force = all[*k].tangent.map_or([0.0; 2], |row| [-lambda[row as usize], -lambda[row as usize + 1]]);
+        if solved && force != [0.0; 2] { along(force) } else { [1.0, 0.0] }
+    };
+    contacts.iter().map(against).collect()
+}
+
+/// Accelerations, multipliers, and c'' of all rows with the sums of its absolute terms.
+struct Motion {
+    a: Vec<f64>,
+    lambda: Vec<f64>,
+    second: Vec<f64>,
+    terms: Vec<f64>,
+}
+
+impl Motion {
+    /// In the phase in force; `None` where there is none.
+    fn of(system: &dyn System, (t, y): (f64, &[f64])) -> Option<Motion> {
+        let (n, rows) = (system.len(), system.description().rows.len());
+        let at = At::packed(t, y, n);
+        let (mut a, mut lambda) = (vec![0.0; n], vec![0.0; rows]);
+        system.accelerations_and_multipliers(at, &mut a, &mut lambda).ok()?;
+        let mut second = vec![0.0; rows];
+        system.constraint_bias(at, &mut second);
+        let mut values = vec![0.0; system.description().constraint_pattern.len()];
+        system.constraint_matrix(at, &mut values);
+        let mut terms: Vec<f64> = second.iter().map(|bias| bias.abs()).collect();
+        for ((row, column), value) in system.description().constraint_pattern.iter().zip(values) {
+            let term = value * a[*column as usize];
+            second[*row as usize] += term;
+            terms[*row as usize] += term.abs();
+        }
+        Some(Motion { a, lambda, second, terms })
+    }
+}
+
+/// Forces and accelerations in the combination in force, with the directions that are held; `None` where there are none.
+fn trial_of(
+    system: &dyn System,
+    (t, y): (f64, &[f64]),
+    Shared { known, compliance, .. }: Shared<'_>,
+    modes: &[ContactMode],
+) -> Option<Trial> {
+    let Motion { a, lambda, second, terms } = Motion::of(system, (t, y))?;
+    let contacts = &system.contacts().all;
+    let at = At::packed(t, y, system.len());
     let sign = |kind: Kind, row: usize, value: f64| Sign { kind, value, terms: terms[row] };
     let margins = margins(system, at.accelerated(&a).constrained(&lambda));
     let mut signs = Vec::new();
-    for (k, (contact, mode)) in contacts.iter().zip(&modes).enumerate() {
+    for (k, (contact, mode)) in contacts.iter().zip(modes).enumerate() {
         let mut own = Vec::new();
         if let Some(row) = contact.normal {
             match mode {
@@ -409,12 +610,17 @@ fn tried(
                         own.push(sign(Kind::Slides, row as usize, mode.sliding() * second[row as usize]));
                     }
                 }
-                ContactMode::Open | ContactMode::Closed => {}
+                ContactMode::Slides if known[k].rolls => {
+                    let (row, [d1, d2, _]) = (row as usize, held_direction(system, k));
+                    let value = d1 * second[row] + d2 * second[row + 1];
+                    own.push(Sign { kind: Kind::Slides, value, terms: terms[row].max(terms[row + 1]) });
+                }
+                ContactMode::Open | ContactMode::Closed | ContactMode::Slides => {}
             }
         }
         signs.push(own);
     }
-    Some(Trial { modes, signs, accelerations: a })
+    Some(Trial { modes: modes.to_vec(), signs, accelerations: a, memory: system.memory().to_vec() })
 }
 
 /// J M⁻¹ Jᵀ of each row by itself.
@@ -433,13 +639,14 @@ fn margins(system: &dyn System, at: At<'_>) -> Vec<f64> {
     system.events(at, &mut pairs);
     let contacts = system.contacts().all.iter();
     contacts
-        .map(|contact| match (contact.event(ContactEvent::Slips), contact.tangent) {
-            (Some(event), Some(row)) => {
+        .map(|contact| match contact.event(ContactEvent::Slips) {
+            Some(event) => {
                 let difference = pairs[2 * event];
-                let sum = difference + 2.0 * at.lambda[row as usize].powi(2);
+                let squares = contact.tangents().map(|row| at.lambda[row as usize].powi(2));
+                let sum = difference + 2.0 * squares.sum::<f64>();
                 if sum > 0.0 { difference / sum } else { 0.0 }
             }
-            _ => 0.0,
+            None => 0.0,
         })
         .collect()
 }

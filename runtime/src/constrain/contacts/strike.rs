@@ -3,11 +3,12 @@
 //! With W = J M⁻¹ Jᵀ the rates of gaps and sliding become u⁺ = u⁻ + W P.  Newton's law for several contacts: u_N⁺ ≥ −e u_N⁻, P_N ≥ 0, one of
 //! them an equation; Coulomb's law for impulses: |P_T| ≤ μ P_N, with equality against the sliding that is left (Pfeiffer & Glocker,
 //! Multibody Dynamics with Unilateral Contacts, 1996, ch. 8; Moreau 1988).  μ is that of sliding for what slides when it is struck, until it stops;
-//! what does not slide then is held by the μ of sticking if that can be.
+//! what does not slide then is held by the μ of sticking if that can be. In space P_T is a vector, against the sliding that is left as a vector.
 
 use nalgebra::{DMatrix, DVector};
 
-use super::limits::possible_limits_of;
+use super::directions::{along, consistent};
+use super::limits::{along_sliding, possible_limits_of};
 use super::{Moment, Situation, combinations, lasting_rows, words};
 use crate::cause::Cause;
 use crate::matrix::solve_least;
@@ -64,12 +65,36 @@ struct Side {
     contact: usize,
     /// Places among the rows of the collision.
     normal: usize,
-    tangent: Option<usize>,
+    /// The first of its sliding rates, and how many they are: none, one, or two in space.
+    tangent: usize,
+    rates: usize,
     /// The coefficient of restitution, of what approaches faster than `slow`.
     restitution: f64,
     slow: f64,
     /// Of sliding, and of sticking.
     friction: [f64; 2],
+}
+
+impl Side {
+    fn tangents(&self) -> std::ops::Range<usize> {
+        self.tangent..self.tangent + self.rates
+    }
+
+    /// Its sliding; one component in the plane.
+    fn sliding(&self, rates: &DVector<f64>) -> [f64; 2] {
+        let mut sliding = [0.0; 2];
+        sliding.iter_mut().zip(self.tangents()).for_each(|(own, place)| *own = rates[place]);
+        sliding
+    }
+
+    /// The direction in which it slides at these rates.
+    fn direction(&self, rates: &DVector<f64>) -> [f64; 2] {
+        match self.sliding(rates) {
+            [rate, _] if self.rates < 2 => [rate.signum(), 0.0],
+            [0.0, 0.0] => [1.0, 0.0],
+            rates => along(rates),
+        }
+    }
 }
 
 /// Everything that an instant needs.
@@ -174,13 +199,12 @@ impl Collision {
             }
             let normal = rows.len();
             rows.push(row as usize);
-            let tangent = contact.tangent.map(|row| {
-                rows.push(row as usize);
-                normal + 1
-            });
+            rows.extend(contact.tangents().map(|row| row as usize));
+            let (tangent, rates) = (normal + 1, rows.len() - normal - 1);
             let e = contact.restitution.and_then(|place| restitutions.get(place as usize)).copied().unwrap_or(0.0);
             crate::constrain::possible_restitution(e)?;
-            sides.push(Side { contact: k, normal, tangent, restitution: e, slow: slow[k], friction: frictions[k] });
+            let (slow, friction) = (slow[k], frictions[k]);
+            sides.push(Side { contact: k, normal, tangent, rates, restitution: e, slow, friction });
         }
         let triples = constraint_triples(system, at);
         let matrix = constraint_matrix(system, at, &rows);
@@ -247,16 +271,19 @@ impl Collision {
     /// The impulses of a stage: all modes of the sides that take part are tried; of several the one in which nothing more is added than is given.
     fn solve(&self, system: &dyn System, stage: Stage<'_>) -> Result<DVector<f64>, Box<Cause>> {
         let options = |(place, side): (usize, &Side)| -> &[ContactMode] {
-            use ContactMode::{Closed, Open, SlipsBackwards, SlipsForwards, Sticks};
-            match side.tangent {
+            use ContactMode::{Closed, Open, Slides, SlipsBackwards, SlipsForwards, Sticks};
+            match side.rates {
                 _ if !stage.taking.contains(&place) => &[Open],
-                None => &[Closed, Open],
-                Some(_) => &[Sticks, SlipsForwards, SlipsBackwards, Open],
+                0 => &[Closed, Open],
+                1 => &[Sticks, SlipsForwards, SlipsBackwards, Open],
+                _ => &[Sticks, Slides, Open],
             }
         };
         let tried = combinations(self.sides.iter().enumerate().map(options)).into_iter();
-        let found: Vec<(Vec<ContactMode>, DVector<f64>)> =
-            tried.filter_map(|modes| self.impulses(&stage, &modes).map(|impulses| (modes, impulses))).collect();
+        let all = |modes: Vec<ContactMode>| {
+            self.impulses(&stage, &modes).into_iter().map(move |impulses| (modes.clone(), impulses))
+        };
+        let found: Vec<(Vec<ContactMode>, DVector<f64>)> = tried.flat_map(all).collect();
         let after = |impulses: &DVector<f64>| stage.rates + &self.flexibility * impulses;
         let alike = |one: &DVector<f64>, other: &DVector<f64>| {
             (after(other) - after(one)).amax() <= ALIKE * self.scale(stage.rates)
@@ -289,9 +316,35 @@ impl Collision {
         }
     }
 
-    /// The impulses under these modes, if those of the sides that take any agree with them.
-    fn impulses(&self, stage: &Stage<'_>, modes: &[ContactMode]) -> Option<DVector<f64>> {
-        let Stage { taking, rates, given, .. } = *stage;
+    /// The impulses under these modes, where those of the sides that take any agree with them: one at the most but in space.
+    fn impulses(&self, stage: &Stage<'_>, modes: &[ContactMode]) -> Vec<DVector<f64>> {
+        let sliding: Vec<usize> = (0..modes.len()).filter(|k| modes[*k] == ContactMode::Slides).collect();
+        let guesses: Vec<[f64; 2]> = sliding.iter().map(|k| self.sides[*k].direction(stage.rates)).collect();
+        let mut directions: Vec<[f64; 2]> = modes.iter().map(|mode| [mode.sliding(), 0.0]).collect();
+        let mut aim = |to: &[[f64; 2]]| {
+            sliding.iter().zip(to).for_each(|(k, direction)| directions[*k] = *direction);
+            directions.clone()
+        };
+        let found = consistent(&guesses, &mut |to| {
+            let after = stage.rates + &self.flexibility * self.impulses_along(stage, modes, &aim(to))?;
+            Some(sliding.iter().map(|k| self.sides[*k].sliding(&after)).collect())
+        });
+        let of = |to: Vec<[f64; 2]>| {
+            let directions = aim(&to);
+            let impulses = self.impulses_along(stage, modes, &directions)?;
+            self.agrees(stage, (modes, &directions), &impulses).then_some(impulses)
+        };
+        found.into_iter().filter_map(of).collect()
+    }
+
+    /// The impulses under these modes, with friction against these directions where something slides.
+    fn impulses_along(
+        &self,
+        stage: &Stage<'_>,
+        modes: &[ContactMode],
+        directions: &[[f64; 2]],
+    ) -> Option<DVector<f64>> {
+        let Stage { rates, given, .. } = *stage;
         let m = self.rows.len();
         // P = base + spread x.
         let mut base = given.clone();
@@ -302,21 +355,20 @@ impl Collision {
             columns.push(unit(row));
             wanted.push((row, rates[row]));
         }
-        for (side, mode) in self.sides.iter().zip(modes) {
-            let sliding = mode.sliding();
-            if let Some(tangent) = side.tangent {
-                // What is given back rubs, too, where nothing is added to it.
-                let slides = !mode.touches() && self.slides(side, rates);
-                let direction = if slides { rates[tangent].signum() } else { sliding };
+        for ((side, mode), sliding) in self.sides.iter().zip(modes).zip(directions) {
+            // What is given back rubs, too, where nothing is added to it.
+            let slides = !mode.touches() && self.slides(side, rates);
+            let direction = if slides { side.direction(rates) } else { *sliding };
+            for (tangent, direction) in side.tangents().zip(direction) {
                 base[tangent] -= direction * side.friction[0] * given[side.normal];
             }
             if !mode.touches() {
                 continue;
             }
             let mut normal = unit(side.normal);
-            if let Some(tangent) = side.tangent {
+            for (tangent, sliding) in side.tangents().zip(sliding) {
                 normal[tangent] = -sliding * side.friction[0];
-                if sliding == 0.0 {
+                if mode.sliding() == 0.0 {
                     columns.push(unit(tangent));
                     wanted.push((tangent, 0.0));
                 }
@@ -333,9 +385,20 @@ impl Collision {
         let impulses = &base + &spread * x.column(0);
         let after = rates + &self.flexibility * &impulses;
         let small = NOTHING * self.scale(rates);
-        if wanted.iter().any(|(row, rate)| (after[*row] - rate).abs() > small) {
-            return None;
-        }
+        let meets = wanted.iter().all(|(row, rate)| (after[*row] - rate).abs() <= small);
+        meets.then_some(impulses)
+    }
+
+    /// Whether impulses, and the rates after them, agree with the modes of the sides that take any.
+    fn agrees(
+        &self,
+        stage: &Stage<'_>,
+        (modes, directions): (&[ContactMode], &[[f64; 2]]),
+        impulses: &DVector<f64>,
+    ) -> bool {
+        let Stage { taking, rates, given, .. } = *stage;
+        let after = rates + &self.flexibility * impulses;
+        let small = NOTHING * self.scale(rates);
         let none = NOTHING * impulses.amax();
         let agrees = |place: &usize| {
             let (side, mode) = (&self.sides[*place], modes[*place]);
@@ -343,22 +406,25 @@ impl Collision {
             if !mode.touches() {
                 return after[side.normal] >= self.least(side, stage) - small;
             }
-            let slides = side.tangent.is_none_or(|tangent| match mode.sliding() {
+            let [first, second] = side.sliding(&after);
+            let slides = match mode.sliding() {
                 0.0 => {
                     let [sliding, sticking] = side.friction;
                     let most = if self.slides(side, rates) { sliding } else { sticking };
-                    impulses[tangent].abs() <= most * pressed + none
+                    let [along, beside] = side.sliding(impulses);
+                    along.hypot(beside) <= most * pressed + none
                 }
-                sliding => sliding * after[tangent] >= -small,
-            });
+                _ => directions[*place][0] * first + directions[*place][1] * second >= -small,
+            };
             pressed >= given[side.normal] - none && slides
         };
-        taking.iter().all(agrees).then_some(impulses)
+        taking.iter().all(agrees)
     }
 
     /// Whether a side slides at these rates.
     fn slides(&self, side: &Side, rates: &DVector<f64>) -> bool {
-        side.tangent.is_some_and(|tangent| rates[tangent].abs() > NOTHING * self.scale(rates))
+        let [first, second] = side.sliding(rates);
+        first.hypot(second) > NOTHING * self.scale(rates)
     }
 
     /// The rate that a gap has at least afterwards; what moves apart already may go on as it likes.
@@ -381,7 +447,8 @@ impl Collision {
         let plastic = (0..self.rows.len()).all(keeps);
         for side in &self.sides {
             let rests = after[side.normal].abs() <= small.max(side.slow);
-            let rolls = side.tangent.is_some_and(|tangent| after[tangent].abs() <= small);
+            let [first, second] = side.sliding(&after);
+            let rolls = side.rates > 0 && first.hypot(second) <= small;
             known[side.contact] = Some(After { rests, rolls });
         }
         let jump = (&self.response * impulses).iter().copied().collect();
@@ -396,6 +463,7 @@ fn frictions(system: &mut dyn System, at: At<'_>) -> Vec<[f64; 2]> {
     let before = system.phase();
     let modes_with = |slips: bool| -> Vec<ContactMode> {
         let mode = |contact: &crate::mechanism::Contact| match (contact.tangent.is_some(), slips) {
+            (true, true) if contact.direction.is_some() => ContactMode::Slides,
             (true, true) => ContactMode::SlipsForwards,
             (true, false) => ContactMode::Sticks,
             (false, _) => ContactMode::Closed,
@@ -409,17 +477,14 @@ fn frictions(system: &mut dyn System, at: At<'_>) -> Vec<[f64; 2]> {
         multiplier_effects(system, at, &rows)
     });
     system.set_phase(before);
-    let matrix = constraint_matrix(system, at, &rows);
     let (a, mut lambda) = (vec![0.0; system.len()], vec![0.0; rows.len()]);
     let mut found = Vec::new();
-    for contact in contacts.iter() {
-        let (Some(normal), Some(tangent), Some(event)) =
-            (contact.normal, contact.tangent, contact.event(ContactEvent::Slips))
-        else {
+    for (k, contact) in contacts.iter().enumerate() {
+        let (Some(normal), Some(event)) = (contact.normal, contact.event(ContactEvent::Slips)) else {
             found.push([0.0; 2]);
             continue;
         };
-        let (normal, along) = (normal as usize, matrix.row(tangent as usize).transpose());
+        let (normal, along) = (normal as usize, DVector::from_vec(along_sliding(system, at, k)));
         // Sliding forwards a pressed contact pushes with −μ N along the sliding.
         let pushed = sliding.column(normal) - sticking.column(normal);
         let slides = -pushed.dot(&along) / along.dot(&along);

@@ -154,7 +154,8 @@ impl EventLocator {
         self.beyond = sides.into_iter().map(|side| side.filter(|side| *side != 0.0)).collect();
         self.choose(system, (t, y), None, trial)?;
         self.forget_surfaces();
-        self.scanner.activate(system, &never_stopping(system, &Moment { t, y, scales: &[], step: self.step }));
+        self.scanner
+            .activate(system, &never_stopping(system, &Moment { t, y, scales: &[], fastest: &[], step: self.step }));
         self.scanner.fresh.fill(true);
         self.scanner.restart();
         self.monitors.forget();
@@ -422,7 +423,9 @@ impl EventLocator {
             let event = &system.description().events[crossing.function];
             if counts(event.direction, crossing.rising) && self.sampler.condition(crossing.function) > 0.0 {
                 self.logged[crossing.function] = t;
-                recorder.event(system, crossing.function, t, y, event.actions.contains(&Action::Stop));
+                if !sample::is_told_later(system, crossing.function) {
+                    recorder.event(system, crossing.function, t, y, event.actions.contains(&Action::Stop));
+                }
                 if event.actions.iter().any(|action| *action != Action::Record) {
                     let (event, actions) = (crossing.function, event.actions.to_vec());
                     fired.push(Fired { event, actions, pending: false });
@@ -443,7 +446,8 @@ impl EventLocator {
     ) -> Result<(), Box<Cause>> {
         self.forget_surfaces();
         self.choose(system, (t, y), None, trial)?;
-        self.scanner.activate(system, &never_stopping(system, &Moment { t, y, scales: &[], step: self.step }));
+        self.scanner
+            .activate(system, &never_stopping(system, &Moment { t, y, scales: &[], fastest: &[], step: self.step }));
         for function in 0..self.sampler.events() {
             // One that slept until now has no size yet but what it gains in a step.
             let seen = self.scanner.largest(function);
@@ -529,7 +533,9 @@ impl EventLocator {
         recorder: &mut impl Log,
     ) {
         self.logged[event] = t;
-        recorder.event(system, event, t, y, ends);
+        if !sample::is_told_later(system, event) {
+            recorder.event(system, event, t, y, ends);
+        }
     }
 
     /// A switch leaves its surface.

@@ -85,6 +85,7 @@ pub(super) fn contacts(program: &Program) -> Contacts {
         name: Text::Owned(contact.name.clone()),
         normal: row(contact.normal),
         tangent: row(contact.tangent),
+        direction: contact.direction.map(|place| place as u32),
         first_event: contact.first_event as u32,
         restitution: restitution.map(|place| place as u32),
     });

@@ -7,7 +7,7 @@ use super::lower::Lower;
 use super::scope::{JointRow, Member, Scope, Section};
 use super::value::Value;
 use crate::diagnose::catalogue::{mechanics, names};
-use crate::expr::{Id, vectors};
+use crate::expr::{Id, Symbol, Tape, vectors};
 use crate::language::{Ast, Span};
 
 /// What a row states: a value that is to vanish, and in the builder its unit.
@@ -66,31 +66,58 @@ fn advance(
     Some(Value::Scalar(graph.sub(rate, turning)))
 }
 
-/// (v₁ − v₂) × n for the unit normal n.
+/// (v₁ − v₂) × n for the unit normal n; in space its components along two directions across n.
 fn slide(builder: &mut ExprBuilder, [first, second]: [Option<Vec<Id>>; 2], normal: Option<Vec<Id>>) -> Option<Value> {
     let (first, second, normal) = (first?, second?, normal?);
     let graph = &mut builder.graph;
     let normal = vectors::unit(graph, &normal);
     let velocity = vectors::difference(graph, &second, &first);
+    if normal.len() == 3 {
+        let directions = across(builder, &normal);
+        return Some(Value::Vector(directions.map(|t| vectors::dot(&mut builder.graph, &velocity, &t)).to_vec()));
+    }
     let (&[u, v], &[x, y]) = (velocity.as_slice(), normal.as_slice()) else { return None };
+    let graph = &mut builder.graph;
     let (along, across) = (graph.mul(u, y), graph.mul(v, x));
     Some(Value::Scalar(graph.sub(along, across)))
 }
 
-/// The velocity of the material of a body at a point, v + ω × (P − r), in the plane; of the ground it is 0.
+/// Two directions across a unit normal of space, smooth about where it points with default parameters and all coordinates 0; upwards where that is
+/// nowhere.
+pub fn across(builder: &mut ExprBuilder, normal: &[Id]) -> [Vec<Id>; 2] {
+    let defaults = &builder.defaults;
+    let known = Tape::new(&builder.graph, normal).evaluate(|symbol| match symbol {
+        Symbol::Parameter(k) => defaults.get(k as usize).copied().unwrap_or(0.0),
+        _ => 0.0,
+    });
+    let larger = |nearest: usize, k: usize| if known[k].abs() > known[nearest].abs() { k } else { nearest };
+    let nearest = if known.iter().all(|x| x.is_finite()) { [1, 0].into_iter().fold(2, larger) } else { 2 };
+    vectors::across(&mut builder.graph, normal, (nearest, !(known[nearest] < 0.0)))
+}
+
+/// The velocity of the material of a body at a point, v + ω × (P − r); of the ground it is 0.
 fn material_velocity(builder: &mut ExprBuilder, scope: &Scope, body: Option<usize>, at: usize) -> Option<Vec<Id>> {
     let at = vector(builder, scope, at);
-    let Some(body) = body else { return Some(vec![Id::ZERO; 2]) };
+    let Some(body) = body else { return Some(vec![Id::ZERO; scope.dimension]) };
     let centre = vector(builder, scope, scope.bodies[body].position);
-    let angle = scope.bodies[body].orientation.map(|item| scalar(builder, scope, item));
+    let orientation = scope.bodies[body].orientation;
+    let omega = orientation.map(|item| turning(builder, scope, item));
     let centre = centre?;
     let velocity = builder.rates(&centre);
-    let Some(angle) = angle else { return Some(velocity) };
-    let omega = builder.rate(angle?);
+    let Some(omega) = omega else { return Some(velocity) };
     let graph = &mut builder.graph;
     let arm = vectors::difference(graph, &centre, &at?);
-    let turning = vectors::swept(graph, &[omega], &arm);
+    let turning = vectors::swept(graph, &omega?, &arm);
     Some(vectors::add(graph, &velocity, &turning))
+}
+
+/// ω of what has this angle, or is turned so: one component in the plane.
+fn turning(builder: &mut ExprBuilder, scope: &Scope, item: usize) -> Option<Vec<Id>> {
+    if scope.dimension == 3 {
+        return angular_velocity(builder, scope, Some(item));
+    }
+    let angle = scalar(builder, scope, item)?;
+    Some(vec![builder.rate(angle)])
 }
 
 /// ω in space of what is turned so; of the ground it is 0.
@@ -130,6 +157,16 @@ fn component(builder: &mut ExprBuilder, a: Option<Vec<Id>>, b: Option<Vec<Id>>) 
 }
 
 impl Lower<'_> {
+    /// The force that two multipliers are along the directions across a normal.
+    pub(super) fn force_along(&mut self, normal: usize, multipliers: &[Id]) -> Option<Vec<Id>> {
+        let normal = vector(self.builder, self.scope, normal)?;
+        let normal = vectors::unit(&mut self.builder.graph, &normal);
+        let [first, second] = across(self.builder, &normal);
+        let graph = &mut self.builder.graph;
+        let first = vectors::scaled(graph, *multipliers.first()?, &first);
+        Some(vectors::add_scaled(graph, &first, *multipliers.get(1)?, &second))
+    }
+
     /// The force of a joint on its first side, where its second side has its point Q: λ of P − Q, λ u of (P − Q)·u and −λ a of a screw.
     pub(super) fn force_of_joint(&mut self, joint: usize, span: Span) -> Value {
         if self.scope.joints[joint].one_point {

@@ -75,9 +75,19 @@ impl Lower<'_> {
             return self.refuse(names::reaction_misplaced(place, words, self.rules.what));
         }
         match self.label(constraint, Section::Constraint) {
-            Some(Member::Constraint(place)) => self.multipliers(place),
+            Some(Member::Constraint(place)) => self.reaction_of(place),
             Some(Member::Joint(place)) => self.force_of_joint(place, span),
             _ => Value::Poison,
+        }
+    }
+
+    /// What a constraint holds with: its multipliers, or in space the force along a contact that sticks.
+    fn reaction_of(&mut self, place: usize) -> Value {
+        let multipliers = self.multipliers(place);
+        let Some(normal) = self.scope.constraints[place].across else { return multipliers };
+        match multipliers {
+            Value::Vector(along) => self.force_along(normal, &along).map_or(Value::Poison, Value::Vector),
+            other => other,
         }
     }
 

@@ -167,6 +167,8 @@ pub struct ConstraintNames {
     pub first: Option<usize>,
     /// Of a contact's gap that is no distance: by which its multiplier is divided where it is asked for as a force.
     pub scale: Option<Id>,
+    /// Of the sliding of a contact in space: the item of the normal across which its two components are.
+    pub across: Option<usize>,
 }
 
 /// A joint by name: constraints that belong together.
@@ -211,8 +213,8 @@ pub enum JointRow {
         /// h, the way for a turn of 1 rad.
         pitch: usize,
     },
-    /// (v₁ − v₂) × n = 0 with the velocities of the material of both bodies at a point, in the plane: no row of a joint, but of a contact
-    /// that sticks.
+    /// (v₁ − v₂) × n = 0 with the velocities of the material of both bodies at a point, or in space its components along two directions across n: no
+    /// row of a joint, but of a contact that sticks.
     Slide {
         /// Both bodies; `None` for the ground.
         bodies: [Option<usize>; 2],

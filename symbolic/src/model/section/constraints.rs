@@ -48,7 +48,7 @@ impl Resolver<'_> {
                 }
                 let (rules, written) = (Rules::constraint(), written.clone());
                 let item = self.item(name.clone(), written, rules, Want::Equation, &member.locals);
-                self.scope.constraints.push(ConstraintNames { name, item, first: None, scale: None });
+                self.scope.constraints.push(ConstraintNames { name, item, first: None, scale: None, across: None });
                 places.push(spot.place.clone());
             }
         }

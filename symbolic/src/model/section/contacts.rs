@@ -3,8 +3,10 @@
 //! A contact becomes what a person would write by hand: constraints for its gap and its sliding rate, a phase for every combination of what
 //! all contacts do, friction that acts while it slides, and the events at which one of them changes.
 
+use super::ends::End;
 use super::loads::{AttachedTo, Draft, DraftPush, Drafts};
 use super::resolve_values::Want;
+use super::rubbing::Rub;
 use super::springs::Placement;
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{contacts, names, sections};
@@ -39,6 +41,8 @@ pub struct ContactText {
     /// Its places among the constraints.
     pub(super) normal: Option<usize>,
     pub(super) tangent: Option<usize>,
+    /// The first of the held values that are its direction of sliding in space.
+    pub(super) direction: Option<usize>,
     /// The item of the rate along the normal.
     pub(super) approach: Option<usize>,
     kind: Kind,
@@ -51,6 +55,14 @@ impl ContactText {
     pub fn says_where(&self) -> bool {
         matches!(&self.kind, Kind::Contact(touching) if touching.at.is_some())
     }
+}
+
+/// The items of how the sides of a contact move on each other, and of its normal.
+#[derive(Clone, Copy)]
+struct ContactRates {
+    sliding: usize,
+    approach: usize,
+    normal: usize,
 }
 
 #[derive(Clone)]
@@ -87,7 +99,7 @@ impl ContactText {
     }
 
     fn modes(&self) -> &'static [ContactMode] {
-        ContactMode::of(self.normal.is_some(), self.tangent.is_some())
+        ContactMode::of(self.normal.is_some(), self.tangent.is_some(), self.direction.is_some())
     }
 }
 
@@ -129,40 +141,56 @@ impl Resolver<'_> {
 
     fn declare_contact(&mut self, (spot, name): (&Spot<'_>, String), kind: Kind, locals: &Locals) {
         let first = self.scope.constraints.len();
-        let mut approach = None;
+        let (mut approach, mut direction) = (None, None);
         let (normal, tangent) = match &kind {
             Kind::Friction(text) => {
                 let written = Some(Written::One(text.rate.clone()));
                 let item = self.item(name.clone(), written, Rules::constraint(), Want::Scalar, locals);
-                self.scope.constraints.push(ConstraintNames { name: name.clone(), item, first: None, scale: None });
+                self.scope.constraints.push(ConstraintNames {
+                    name: name.clone(),
+                    item,
+                    first: None,
+                    scale: None,
+                    across: None,
+                });
                 (None, Some(first))
             }
             Kind::Contact(text) => {
                 let gap = spot.get("gap").and_then(|gap| gap.text(&mut Vec::new()));
                 let item = self.item(name.clone(), gap.map(Written::One), Rules::joint("a gap"), Want::Scalar, locals);
-                self.scope.constraints.push(ConstraintNames { name: name.clone(), item, first: None, scale: None });
-                let rates = (self.scope.dimension == 2).then(|| self.contact_rates(&name, text, locals)).flatten();
-                approach = rates.map(|[_, approach]| approach);
+                self.scope.constraints.push(ConstraintNames {
+                    name: name.clone(),
+                    item,
+                    first: None,
+                    scale: None,
+                    across: None,
+                });
+                let in_space = self.scope.dimension == 3;
+                let measured = !in_space || text.friction.is_some();
+                let rates = measured.then(|| self.contact_rates(&name, text, locals)).flatten();
+                approach = rates.map(|ContactRates { approach, .. }| approach);
                 let tangent = text.friction.as_ref().map(|_| {
                     let row = format!("{name}.friction");
                     // Without a value where what is wrong was reported.
                     let unknown = |resolver: &mut Self| {
                         resolver.item(row.clone(), None, Rules::constraint(), Want::Scalar, locals)
                     };
-                    let item = rates.map_or_else(|| unknown(self), |[sliding, _]| sliding);
-                    self.scope.constraints.push(ConstraintNames { name: row, item, first: None, scale: None });
+                    let item = rates.map_or_else(|| unknown(self), |ContactRates { sliding, .. }| sliding);
+                    let across = rates.filter(|_| in_space).map(|ContactRates { normal, .. }| normal);
+                    self.scope.constraints.push(ConstraintNames { name: row, item, first: None, scale: None, across });
+                    direction = in_space.then(|| self.hold_direction(&name, &spot.place));
                     first + 1
                 });
                 (Some(first), tangent)
             }
         };
         let (locals, place) = (locals.clone(), spot.place.clone());
-        self.contacts.push(ContactText { name, normal, tangent, approach, kind, locals, place });
+        self.contacts.push(ContactText { name, normal, tangent, direction, approach, kind, locals, place });
     }
 
     /// The items of a contact's sliding rate and of the rate at which it opens: across and along the normal, of the material of `on` less that
     /// of `from`.
-    fn contact_rates(&mut self, name: &str, text: &Touching, locals: &Locals) -> Option<[usize; 2]> {
+    fn contact_rates(&mut self, name: &str, text: &Touching, locals: &Locals) -> Option<ContactRates> {
         let on = self.body(&text.on, locals);
         let from = text.from.as_ref().map_or(Some(None), |from| self.body(from, locals));
         let at = text.at.clone().unwrap_or_else(|| Written::One(text.on.clone()));
@@ -172,7 +200,9 @@ impl Resolver<'_> {
         let bodies = [on?, from?];
         let rows = [JointRow::Slide { bodies, at, normal }, JointRow::Approach { bodies, at, normal }];
         let rules = Rules::constraint();
-        Some(rows.map(|row| self.item(format!("{name}.friction"), None, rules, Want::Joint(row), locals)))
+        let items = rows.map(|row| self.item(format!("{name}.friction"), None, rules, Want::Joint(row), locals));
+        let [sliding, approach] = items;
+        Some(ContactRates { sliding, approach, normal })
     }
 
     /// `{rate: x' - belt, on: block, along: "[1, 0]", limit: F, static: F_s}`.
@@ -199,12 +229,6 @@ impl Resolver<'_> {
         let keys = ["gap", "on", "from", "at", "normal", "friction", "static", "restitution"];
         let problems = &mut self.builder.problems;
         if !spot.only(&keys, "a contact", problems) {
-            return None;
-        }
-        if self.scope.dimension == 3
-            && let Some(friction) = spot.get("friction")
-        {
-            problems.push(contacts::friction_in_space(friction.place.of_key()));
             return None;
         }
         if let (None, Some(greatest)) = (spot.get("friction"), spot.get("static")) {
@@ -265,7 +289,7 @@ impl Resolver<'_> {
     }
 
     /// The phases in which a contact is in one of these modes.
-    fn phases_with(&self, contact: usize, is: impl Fn(ContactMode) -> bool) -> Vec<usize> {
+    pub(super) fn phases_with(&self, contact: usize, is: impl Fn(ContactMode) -> bool) -> Vec<usize> {
         let modes: Vec<&'static [ContactMode]> = self.contacts.iter().map(ContactText::modes).collect();
         let combinations = combinations(&modes).into_iter().enumerate();
         combinations.filter(|(_, modes)| is(modes[contact])).map(|(phase, _)| phase).collect()
@@ -375,7 +399,16 @@ impl Resolver<'_> {
         let normal = self.vector(&text.normal, NORMAL, locals)?;
         let normal = vectors::unit(&mut self.builder.graph, &normal);
         let mut force = vectors::scaled(&mut self.builder.graph, across, &normal);
+        let mut beside = None;
         let work = match (contact.tangent, &text.friction) {
+            (Some(tangent), Some(friction)) if contact.direction.is_some() => {
+                let coefficient = self.scalar(friction, COEFFICIENT, locals)?;
+                let tension = self.builder.graph.mul(coefficient, across);
+                let [first, second] = self.rub_in_space((k, contact), tangent, &normal, tension)?;
+                force = vectors::add(&mut self.builder.graph, &force, &first.force);
+                beside = Some(second);
+                first.work
+            }
             (Some(tangent), Some(friction)) => {
                 let coefficient = self.scalar(friction, COEFFICIENT, locals)?;
                 let (sign, held) = (self.sign_of_sliding(k), self.multiplier_of(tangent));
@@ -393,14 +426,30 @@ impl Resolver<'_> {
             _ => Work::Resistance { rate: Id::ZERO, tension: Id::ZERO },
         };
         let end = self.placed(&text.on, text.at.as_ref(), locals, drafts)?;
+        if let Some(Rub { force, work }) = beside {
+            let pushes = self.both_sides(text.from.as_ref(), &end, force, locals)?;
+            drafts.loads.push(Draft { name: contact.name.clone(), work, pushes, place: contact.place.clone() });
+        }
+        let pushes = self.both_sides(text.from.as_ref(), &end, force, locals)?;
+        Some(Draft { name: contact.name.clone(), work, pushes, place: contact.place.clone() })
+    }
+
+    /// A force at one end, and its opposite on what is across.
+    fn both_sides(
+        &mut self,
+        from: Option<&Text>,
+        end: &End,
+        force: Vec<Id>,
+        locals: &Locals,
+    ) -> Option<Vec<DraftPush>> {
         let minus = vectors::negative(&mut self.builder.graph, &force);
         let push = |attached: AttachedTo, at: Vec<Id>, force| DraftPush { attached, at, force, couple: Vec::new() };
-        let mut pushes = vec![push(end.attached, end.at.clone(), force)];
-        if let Some(from) = &text.from {
+        let mut pushes = vec![push(end.attached.clone(), end.at.clone(), force)];
+        if let Some(from) = from {
             let opposite = self.opposite(from, &end.at, locals)?;
             pushes.push(push(opposite.attached, opposite.at, minus));
         }
-        Some(Draft { name: contact.name.clone(), work, pushes, place: contact.place.clone() })
+        Some(pushes)
     }
 
     /// The value of a constraint with one row.
@@ -422,7 +471,7 @@ impl Resolver<'_> {
                 self.contact_event((k, &contact, "lifts"), (force, -1), touching);
             }
             if let Some(tangent) = contact.tangent {
-                let Some(rate) = self.value_of(tangent) else { continue };
+                let Some(rate) = self.rate_of_sliding(&contact, tangent) else { continue };
                 let Some(margin) = self.margin(&contact) else { continue };
                 let sliding = self.phases_with(k, ContactMode::slips);
                 let sticking = self.phases_with(k, |mode| mode == ContactMode::Sticks);
@@ -439,8 +488,8 @@ impl Resolver<'_> {
                     },
                 }),
             };
-            let ContactText { name, normal, tangent, place, .. } = contact;
-            self.model.contacts.push(Contact { name, normal, tangent, restitution, first_event, place });
+            let ContactText { name, normal, tangent, direction, place, .. } = contact;
+            self.model.contacts.push(Contact { name, normal, tangent, direction, restitution, first_event, place });
         }
     }
 
@@ -455,9 +504,11 @@ impl Resolver<'_> {
                 self.builder.graph.mul(coefficient, across)
             }
         };
-        let held = self.multiplier_of(contact.tangent?);
+        let tangent = contact.tangent?;
+        let held = self.model.constraints.get(tangent)?.rows().map(|row| Symbol::Multiplier(row as u32));
         let graph = &mut self.builder.graph;
-        let (greatest, held) = (graph.mul(greatest, greatest), graph.mul(held, held));
+        let held: Vec<Id> = held.map(|multiplier| graph.symbol(multiplier)).collect();
+        let (greatest, held) = (graph.mul(greatest, greatest), vectors::dot(graph, &held, &held));
         let beyond = graph.float(1.0 + 2.0 * AT_THE_LIMIT);
         let greatest = graph.mul(beyond, greatest);
         Some(graph.sub(greatest, held))

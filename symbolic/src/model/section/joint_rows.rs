@@ -304,7 +304,7 @@ impl Rows<'_, '_> {
     fn row(&mut self, name: String, row: JointRow) {
         let place = self.resolver.scope.constraints.len();
         let item = self.resolver.item(name.clone(), None, Rules::constraint(), Want::Joint(row), &self.locals);
-        self.resolver.scope.constraints.push(ConstraintNames { name, item, first: None, scale: None });
+        self.resolver.scope.constraints.push(ConstraintNames { name, item, first: None, scale: None, across: None });
         self.made.rows.push((place, row));
     }
 }

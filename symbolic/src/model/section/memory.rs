@@ -86,8 +86,11 @@ impl Resolver<'_> {
     /// Every held value is an output, under its own name.
     pub fn memory_outputs(&mut self) {
         let noise: Vec<Noise> = self.model.noise.clone();
+        // A direction of sliding is what its rates tell.
+        let of_contacts: Vec<usize> =
+            self.contacts.iter().filter_map(|contact| contact.direction).flat_map(|first| first..first + 3).collect();
         let of_noise = |j: usize| noise.iter().find(|noise| noise.held.contains(&j));
-        for j in 0..self.model.memory.len() {
+        for j in (0..self.model.memory.len()).filter(|j| !of_contacts.contains(j)) {
             // Of noise its value alone, which need not be what it holds.
             let value = match of_noise(j) {
                 Some(noise) if noise.held[0] != j => continue,

@@ -29,6 +29,7 @@ pub mod reactions;
 mod records;
 pub mod resolve_values;
 pub mod rotations;
+mod rubbing;
 pub mod running_sums;
 pub mod scenes;
 pub mod settings;
