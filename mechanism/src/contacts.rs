@@ -172,6 +172,11 @@ impl Contact {
         self.tangent.into_iter().flat_map(move |first| first..first + count)
     }
 
+    /// The held values that are its direction of sliding in space, by their places.
+    pub fn held(&self) -> impl Iterator<Item = u32> + use<> {
+        self.direction.into_iter().flat_map(|first| first..first + 3)
+    }
+
     /// Its modes, in the order in which phases count them.
     pub fn modes(&self) -> &'static [ContactMode] {
         use ContactMode::{Closed, Open, Slides, SlipsBackwards, SlipsForwards, Sticks};

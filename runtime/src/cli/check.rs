@@ -8,7 +8,7 @@ use dalembert_symbolic::expr::{Id, Symbol};
 use dalembert_symbolic::file;
 use dalembert_symbolic::gate::{Conservative, Nature, Origin, Report, shared_data};
 use dalembert_symbolic::lower::Program;
-use dalembert_symbolic::model::{EventAction, HIDDEN, Model};
+use dalembert_symbolic::model::{Contact, EventAction, HIDDEN, Model};
 use dalembert_symbolic::number::DoubleDouble;
 use serde_json::Value;
 
@@ -101,7 +101,8 @@ fn size_in_words(model: &Model) -> String {
         1 => ", 1 state of first order".to_owned(),
         k => format!(", {k} states of first order"),
     };
-    let held = match model.memory.len() {
+    // Directions of sliding are the program's own.
+    let held = match model.memory.len() - model.contacts.iter().flat_map(Contact::held).count() {
         0 => String::new(),
         1 => ", 1 held value".to_owned(),
         k => format!(", {k} held values"),

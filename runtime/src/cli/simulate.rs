@@ -471,8 +471,9 @@ fn as_json(loaded: &Loaded, settings: &Settings, run: &Run) -> Value {
     };
     let states = description.coordinates.iter().zip(&last.v);
     let states = states.filter_map(|(c, x)| Some((c.state()?.to_owned(), number(*x))));
-    let memory =
-        run.sampling.memory.iter().zip(&run.memory).map(|(held, value)| (held.name.to_string(), number(*value)));
+    let of_contacts: Vec<u32> = loaded.system.contacts().all.iter().flat_map(mechanism::Contact::held).collect();
+    let memory = run.sampling.memory.iter().zip(&run.memory).zip(0..).filter(|(_, place)| !of_contacts.contains(place));
+    let memory = memory.map(|((held, value), _)| (held.name.to_string(), number(*value)));
     let drift = run.drift.iter().map(|d| (d.name.clone(), d.value.map_or(Value::Null, number)));
     let balance = run.energy_balance.map_or(Value::Null, number);
     let residuals = run.residuals.unwrap_or_default();

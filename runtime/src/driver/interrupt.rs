@@ -90,6 +90,9 @@ impl Integration {
                 let shorter = self.control.rejected(shorter.h, error);
                 return Ok(Outcome::MissedFeature(shorter.min(RETRIED * step.h)));
             }
+            Some((shorter, error)) if self.is_blurred(system, (crossing.function, shorter, error), locator) => {
+                return Ok(Outcome::MissedFeature(BEFORE_A_STOP * shorter.h.min(crossing.theta * step.h)));
+            }
             Some((shorter, _)) => {
                 let (segment, end) = (self.segment(shorter), self.stepper.end());
                 recorder.accept(system, Some(&segment), shorter.next, end)?;
@@ -142,6 +145,23 @@ impl Integration {
     /// Whether a step that a crossing made shorter is much worse than the longer one, which passed what lies there by.
     fn is_blind(&self, error: f64) -> bool {
         matches!(self.policy, StepPolicy::Adaptive { .. }) && error > BLIND
+    }
+
+    /// Whether a step to where something stops in space does not end there: where a sliding rate vanishes its direction is what the method's stages make of
+    /// it, which only shorter steps tell.
+    fn is_blurred(
+        &self,
+        system: &dyn System,
+        (function, step, error): (usize, Step, f64),
+        locator: &mut EventLocator,
+    ) -> bool {
+        if !(matches!(self.policy, StepPolicy::Adaptive { .. }) && locator.may_stop_in_space(system, function)) {
+            return false;
+        }
+        let (start, end) = (self.stepper.start().y, self.stepper.end().y);
+        let before = locator.value_at(system, function, (self.clock.now(), start));
+        let after = locator.value_at(system, function, (step.next, end));
+        !(error <= 1.0 && after.abs() <= STOPPED * before.abs())
     }
 
     /// Lets constraints that a phase may bring know how large they are on the way to it: a flight in one step begins and ends
@@ -294,6 +314,10 @@ impl Integration {
 
 /// A shorter step has a smaller error than a longer one, unless the longer one did not see what is there.
 const BLIND: f64 = 4.0;
+/// A step that ends where something stops leaves this part of its rate at the most.
+const STOPPED: f64 = 1e-6;
+/// This part of the way to where something stops in space is gone first, where all of it at once does not lead there.
+const BEFORE_A_STOP: f64 = 0.9;
 /// The step after one that fell short is this part of it at the longest.
 const RETRIED: f64 = 0.5;
 /// Corrections of the time of a crossing that are smaller than this part of a step may be rounding.

@@ -65,15 +65,16 @@ pub enum Role {
 }
 
 /// Arguments inside the events, the switches' arguments and the equations of motion, in an order in which an argument's
-/// own arguments come after it.
+/// own arguments come after it; without those in which held values are that are `directions` of sliding.
 pub(super) fn arguments(
     graph: &mut Graph,
     events: &[Id],
     switches: &[Id],
     motion: &[Id],
     loads: &[(String, Vec<Id>)],
+    directions: Vec<u32>,
 ) -> Vec<Argument> {
-    let mut list = List::default();
+    let mut list = List { directions, ..List::default() };
     for (k, event) in events.iter().enumerate() {
         add(graph, &mut list, Watched::Event(k), &[*event]);
     }
@@ -107,6 +108,8 @@ pub(super) fn arguments(
 /// Arguments, each once.
 #[derive(Default)]
 struct List {
+    /// Held values that are directions of sliding, by their places: where rates vanish beside these, contacts decide what follows.
+    directions: Vec<u32>,
     all: Vec<Argument>,
     /// Those of a value, by their places.
     of: HashMap<Id, Vec<usize>>,
@@ -157,7 +160,8 @@ fn push(graph: &mut Graph, list: &mut List, (of, role, value): (Watched, Role, I
     // Rates of accelerations, and inputs beyond their second derivative, are not known.
     let unknown = |s: &Symbol| matches!(s, Symbol::Input(_, 3..) | Symbol::Reaction(_) | Symbol::Multiplier(_));
     let has_acceleration = graph.symbols([value]).iter().any(|s| matches!(s, Symbol::Acceleration(_)));
-    if has_acceleration || symbols.iter().any(unknown) {
+    let of_direction = |s: &Symbol| matches!(s, Symbol::Memory(place) if list.directions.contains(place));
+    if has_acceleration || symbols.iter().any(unknown) || symbols.iter().any(of_direction) {
         return;
     }
     let of_time = |s: &Symbol| matches!(s, Symbol::Time | Symbol::Parameter(_));

@@ -30,7 +30,7 @@ use crate::derive::{Derivation, Equations, Switch, held_rates, rates};
 use crate::diagnose::Problem;
 use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary, jacobian, logarithms_without_overflow, reverse, substitute};
 use crate::gate::{Judged, Report};
-use crate::model::{Model, Scene, Shape};
+use crate::model::{Contact, Model, Scene, Shape};
 
 pub use arguments::{Argument, Role, Watched};
 pub use constraints::Constraints;
@@ -269,7 +269,8 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let motion: Vec<Id> = chosen.residual.iter().copied().chain(signals.iter().map(|u| u[0])).collect();
     let loads: Vec<(String, Vec<Id>)> =
         model.loads.iter().map(|load| (load.name.clone(), load.expressions())).collect();
-    let arguments = arguments::arguments(graph, &functions, &arguments, &motion, &loads);
+    let of_sliding = model.contacts.iter().flat_map(Contact::held).map(|place| place as u32).collect();
+    let arguments = arguments::arguments(graph, &functions, &arguments, &motion, &loads, of_sliding);
     let jumps = (0..model.inputs.len()).map(|k| input_jump(graph, &chosen.residual, k as u32)).collect();
     let power = graph.add(energies.power, constraints.power);
     let outputs: Vec<Id> = model.outputs.iter().flat_map(|o| o.value.iter().copied()).collect();

@@ -28,6 +28,11 @@ pub struct Contact {
 }
 
 impl Contact {
+    /// The held values that are its direction of sliding in space, by their places.
+    pub fn held(&self) -> impl Iterator<Item = usize> + use<> {
+        self.direction.into_iter().flat_map(|first| first..first + 3)
+    }
+
     /// What it may do.
     pub fn modes(&self) -> &'static [ContactMode] {
         ContactMode::of(self.normal.is_some(), self.tangent.is_some(), self.direction.is_some())

@@ -47,7 +47,7 @@ pub(super) fn along([s1, s2]: [f64; 2]) -> [f64; 2] {
 pub(super) fn consistent(guesses: &[[f64; 2]], outcome: &mut Outcome<'_>) -> Vec<Vec<[f64; 2]>> {
     match guesses {
         [] => vec![Vec::new()],
-        [_] => roots(&mut |d| Some(outcome(&[d])?[0])).into_iter().map(|d| vec![d]).collect(),
+        [guess] => roots(*guess, &mut |d| Some(outcome(&[d])?[0])).into_iter().map(|d| vec![d]).collect(),
         several => sweep(several.to_vec(), outcome).into_iter().collect(),
     }
 }
@@ -58,7 +58,7 @@ fn sweep(mut directions: Vec<[f64; 2]>, outcome: &mut Outcome<'_>) -> Option<Vec
         for k in 0..directions.len() {
             let [x, y] = directions[k];
             let mut tried = directions.clone();
-            let found = roots(&mut |d| {
+            let found = roots(directions[k], &mut |d| {
                 tried[k] = d;
                 Some(outcome(&tried)?[k])
             });
@@ -73,8 +73,8 @@ fn sweep(mut directions: Vec<[f64; 2]>, outcome: &mut Outcome<'_>) -> Option<Vec
     None
 }
 
-/// All directions that what they lead to is along.
-fn roots(outcome: &mut dyn FnMut([f64; 2]) -> Option<[f64; 2]>) -> Vec<[f64; 2]> {
+/// All directions that what they lead to is along; a guess as it stands where it is one of them but for rounding, so that what moves in a plane stays in it.
+fn roots(guess: [f64; 2], outcome: &mut dyn FnMut([f64; 2]) -> Option<[f64; 2]>) -> Vec<[f64; 2]> {
     let at = |k: usize| TAU * (k as f64 + 0.5) / PARTS as f64;
     let mut largest = 0.0_f64;
     let mut cross = |angle: f64, largest: &mut f64| {
@@ -96,7 +96,8 @@ fn roots(outcome: &mut dyn FnMut([f64; 2]) -> Option<[f64; 2]>) -> Vec<[f64; 2]>
         // What is at its limit does not move at first.
         if missed.abs() <= ROOT * largest && forwards >= -ROOT * largest {
             let (y, x) = angle.sin_cos();
-            found.push([x, y]);
+            let is_guess = (x - guess[0]).hypot(y - guess[1]) <= SAME;
+            found.push(if is_guess { guess } else { [x, y] });
         }
     }
     found

@@ -137,7 +137,8 @@ pub(crate) fn settle(system: &mut dyn System, moment: &Moment<'_>, change: Chang
     aim(system, &situation, &known);
     let modes_before = system.modes().to_vec();
     let before_it = (!matches!(change, Change::Start(_))).then_some(situation.modes.as_slice());
-    for modes in in_order(before_it, &known) {
+    let stops = matches!(change, Change::Event { what: ContactEvent::Stops, .. });
+    for modes in in_order(before_it, &known, stops) {
         trials.extend(tried(system, (t, y), shared, modes));
     }
     system.set_phase(before);
@@ -195,47 +196,58 @@ pub(crate) enum Turned {
     Dies(Vec<usize>),
 }
 
-/// Whether a contact in space stops that has turned through a right angle, or nearly stops and could be held by its friction of sliding: that takes what
-/// little is left away, in whatever direction it is.
+/// Whether a contact in space stops that has turned through a right angle, or nearly stops, with all others that do, and could be held by the friction of
+/// sliding: that takes what little is left away, in whatever direction it is.
 pub(crate) fn turned(system: &mut dyn System, moment: &Moment<'_>, contact: usize) -> Turned {
     let situation = Situation::new(system, moment);
+    let speed = |k: usize| situation.kinematics[k].sliding[0].hypot(situation.kinematics[k].sliding[1]);
+    let is_slow =
+        |k: &usize| situation.modes[*k] == ContactMode::Slides && speed(*k) <= SLOW / STILL * situation.least[*k];
+    let slow: Vec<usize> = (0..situation.modes.len()).filter(is_slow).collect();
+    let alone = [contact];
+    for stopping in [slow.as_slice(), &alone].into_iter().filter(|stopping| stopping.contains(&contact)) {
+        if stopping.iter().all(|k| is_slow(k))
+            && let Some(rows) = are_held_by_sliding(system, moment, &situation.modes, stopping)
+        {
+            return Turned::Dies(rows);
+        }
+    }
     if situation.still[contact][1] {
         return Turned::Stops;
     }
-    let s = situation.kinematics[contact].sliding;
-    if s[0].hypot(s[1]) <= SLOW / STILL * situation.least[contact]
-        && let Some(rows) = is_held_by_sliding(system, moment, &situation.modes, contact)
-    {
-        return Turned::Dies(rows);
-    }
-    hold_direction(system, contact, along(s), situation.least[contact]);
+    hold_direction(system, contact, along(situation.kinematics[contact].sliding), situation.least[contact]);
     Turned::On
 }
 
-/// The rows in force where a contact sticks instead, if the friction of sliding is enough, and more, for that.
-fn is_held_by_sliding(
+/// The rows in force where these contacts stick instead, if the friction of sliding is enough, and more, for that.
+fn are_held_by_sliding(
     system: &mut dyn System,
     &Moment { t, y, .. }: &Moment<'_>,
     modes: &[ContactMode],
-    contact: usize,
+    contacts: &[usize],
 ) -> Option<Vec<usize>> {
     let phase = system.phase();
     let mut stuck = modes.to_vec();
-    stuck[contact] = ContactMode::Sticks;
+    contacts.iter().for_each(|k| stuck[*k] = ContactMode::Sticks);
     let held = system.contacts().phase(&stuck);
     system.set_phase(held);
     let at = At::packed(t, y, system.len());
     let (mut a, mut lambda) = (vec![0.0; system.len()], vec![0.0; system.description().rows.len()]);
     let solved = system.accelerations_and_multipliers(at, &mut a, &mut lambda).is_ok();
     let rows = rows_in_force(system).collect();
-    let pressed = system.contacts().all[contact].normal.is_none_or(|row| lambda[row as usize] > 0.0);
-    let margin = margins(system, at.accelerated(&a).constrained(&lambda))[contact];
+    let margins = margins(system, at.accelerated(&a).constrained(&lambda));
     let touches: Vec<bool> = modes.iter().map(|mode| mode.touches()).collect();
-    let part = part_of_sticking(system, (t, y), &touches, contact);
+    let all = system.contacts().all.clone();
+    let is_held = |k: &usize| {
+        let pressed = all[*k].normal.is_none_or(|row| lambda[row as usize] > 0.0);
+        // T/L₀ of (L₀² − T²)/(L₀² + T²).
+        let used = ((1.0 - margins[*k]) / (1.0 + margins[*k])).sqrt();
+        let part = part_of_sticking(system, (t, y), &touches, *k);
+        pressed && part.is_some_and(|part| used <= ENOUGH * part)
+    };
+    let held = solved && contacts.iter().all(is_held);
     system.set_phase(phase);
-    // T/L₀ of (L₀² − T²)/(L₀² + T²).
-    let used = ((1.0 - margin) / (1.0 + margin)).sqrt();
-    (solved && pressed && used <= ENOUGH * part?).then_some(rows)
+    held.then_some(rows)
 }
 
 /// Holds the directions of what slides in space and is not at rest there, where it is not near the one that is held.
@@ -425,7 +437,11 @@ fn known(system: &mut dyn System, situation: &Situation, (k, change): (usize, Ch
         options.push(ContactMode::Open);
     }
     // What it does now is tried first; what was open, or nothing is known of, is closed if it may be.
-    let kept = |mode: &ContactMode| *mode == present && present.touches() && !matches!(change, Change::Start(_));
+    let stops = matches!(change, Change::Event { what: ContactEvent::Stops, .. });
+    let kept = |mode: &ContactMode| {
+        let rests = stops && rolls && *mode == ContactMode::Slides;
+        *mode == present && present.touches() && !matches!(change, Change::Start(_)) && !rests
+    };
     if let Some(place) = options.iter().position(kept) {
         options[..=place].rotate_right(1);
     }
@@ -479,10 +495,16 @@ fn opposite(mode: ContactMode) -> ContactMode {
 }
 
 /// All combinations of what each may do, those first that differ from the present one in fewest contacts that touch.
-fn in_order(present: Option<&[ContactMode]>, known: &[Known]) -> Vec<Vec<ContactMode>> {
+///
+/// Where something `stops` in space, sticking is no change of what slides there without a rate: it would be held by others only.
+fn in_order(present: Option<&[ContactMode]>, known: &[Known], stops: bool) -> Vec<Vec<ContactMode>> {
     let mut all = combinations(known.iter().map(|known| known.options.as_slice()));
     if let Some(present) = present {
-        let changes = |(mode, before): &(&ContactMode, &ContactMode)| before.touches() && mode != before;
+        let rests = |mode: &ContactMode, before: &ContactMode| {
+            stops && *before == ContactMode::Slides && *mode == ContactMode::Sticks
+        };
+        let changes =
+            |(mode, before): &(&ContactMode, &ContactMode)| before.touches() && mode != before && !rests(mode, before);
         all.sort_by_key(|modes| modes.iter().zip(present).filter(changes).count());
     }
     all
@@ -503,8 +525,8 @@ fn tried(system: &mut dyn System, at: (f64, &[f64]), shared: Shared<'_>, modes: 
     let beginning: Vec<usize> = (0..modes.len()).filter(begins).collect();
     let memory = system.memory().to_vec();
     let guesses = match beginning.as_slice() {
-        [_, _, ..] => against_forces(system, at, &modes, &beginning),
-        few => vec![[1.0, 0.0]; few.len()],
+        [] => Vec::new(),
+        _ => against_forces(system, at, &modes, &beginning),
     };
     enter(system, at, shared, &modes);
     let aimed = |system: &mut dyn System, directions: &[[f64; 2]]| {

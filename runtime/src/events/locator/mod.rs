@@ -335,6 +335,17 @@ impl EventLocator {
         (self.sampler.value(function), slope / segment.h)
     }
 
+    /// A function's value at a state.
+    pub fn value_at<S: System + ?Sized>(&mut self, system: &S, function: usize, (t, y): (f64, &[f64])) -> f64 {
+        self.sampler.at_state(system, t, y);
+        self.sampler.value(function)
+    }
+
+    /// Whether a function is zero where something stops that slides in space.
+    pub fn may_stop_in_space<S: System + ?Sized>(&self, system: &S, function: usize) -> bool {
+        self.sampler.switch(function).is_none() && sample::is_told_later(system, function)
+    }
+
     /// Notes that a step without dense output was taken, of h seconds.
     pub fn step(&mut self, h: f64) {
         self.step = h;
