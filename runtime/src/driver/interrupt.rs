@@ -85,7 +85,7 @@ impl Integration {
         }
         let together = locator.simultaneous(crossing, &self.segment(step));
         let fired = match self.shorten(system, step, crossing, locator)? {
-            Some((shorter, error)) if self.is_blind(error) => {
+            Some((shorter, error)) if self.is_blind(error) && !locator.may_stop_in_space(system, crossing.function) => {
                 // Newton's method may have gone beyond the step that was tried, which is not to be tried again.
                 let shorter = self.control.rejected(shorter.h, error);
                 return Ok(Outcome::MissedFeature(shorter.min(RETRIED * step.h)));
@@ -157,6 +157,9 @@ impl Integration {
     ) -> bool {
         if !(matches!(self.policy, StepPolicy::Adaptive { .. }) && locator.may_stop_in_space(system, function)) {
             return false;
+        }
+        if error == f64::INFINITY {
+            return true;
         }
         let (start, end) = (self.stepper.start().y, self.stepper.end().y);
         let before = locator.value_at(system, function, (self.clock.now(), start));
@@ -278,6 +281,10 @@ impl Integration {
             }
             let trial = Step { h, next: self.clock.after(h), lands: false };
             let tried = self.try_step(system, trial, true);
+            if tried.is_err() && locator.may_stop_in_space(system, function) && self.may_cut() {
+                // Newton's method does not find the direction of a rate that vanishes.
+                return Ok(Some((trial, f64::INFINITY)));
+            }
             let error = tried.map_err(|failure| failure.cause(system.description()))?;
             finite(system, self.stepper.end().y, 0)?;
             self.dense(system, trial)?;

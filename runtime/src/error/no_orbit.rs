@@ -127,7 +127,7 @@ impl fmt::Display for NoOrbit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             NoOrbit::Memory => f.write_str(
-                "the mechanism holds values that events set, of which closing motions and their multipliers are not known yet; `modes --sampled` \
+                "the mechanism holds values that events set, or directions in which contacts slide in space, of which closing motions and their multipliers are not known yet; `modes --sampled` \
                  tells the stability of a loop that is sampled",
             ),
             NoOrbit::States => f.write_str(

@@ -84,7 +84,7 @@ impl fmt::Display for NoSlopes {
         match self {
             NoSlopes::Unknown => f.write_str("the mechanism does not tell those of its functions"),
             NoSlopes::Memory => f.write_str(
-                "events set values that are held, or happen at ticks, whose slopes are not known yet; two runs with --set tell a difference",
+                "events set values that are held, or happen at ticks, or contacts slide in space, whose slopes are not known yet; two runs with --set tell a difference",
             ),
             NoSlopes::Accelerations => f.write_str(
                 "its accelerations come from balances, or something else than multipliers enforces its constraints",

@@ -84,7 +84,7 @@ impl fmt::Display for NeedsError {
                  output changes with each parameter",
             ),
             NeedsError::Memory => f.write_str(
-                "the model holds values that events set, which `needs` does not leave out yet; `simulate --set` runs it with other parameters",
+                "the model holds values that events set, or directions in which contacts slide in space, which `needs` does not leave out yet; `simulate --set` runs it with other parameters",
             ),
             NeedsError::BadNeed { within } => {
                 write!(

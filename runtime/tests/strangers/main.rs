@@ -20,6 +20,7 @@ mod pictures;
 mod printing;
 mod reactions;
 mod rotations;
+mod rubbing;
 mod second_runs;
 mod slow;
 mod starts;

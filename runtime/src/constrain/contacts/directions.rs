@@ -15,6 +15,8 @@ const STEPS: usize = 100;
 /// So often several directions are found anew, until none turns by more than `SAME`, rad.
 const SWEEPS: usize = 300;
 const SAME: f64 = 1e-13;
+/// Keeps a ratio from being 0/0, as in generated code.
+const NO_RATE: f64 = 1e-90;
 /// A direction that is held is kept while the cosine of the angle to it is this.
 const NEAR: f64 = 0.7;
 
@@ -27,7 +29,7 @@ pub(super) fn direction([s1, s2]: [f64; 2], [d1, d2, least]: [f64; 3]) -> [f64; 
     let length = d1.hypot(d2);
     let (d1, d2) = (d1 / length, d2 / length);
     let (forwards, sideways) = (s1 * d1 + s2 * d2, s2 * d1 - s1 * d2);
-    let ratio = sideways * forwards / (forwards * forwards + least * least + 1e-300);
+    let ratio = sideways * forwards / (forwards * forwards + least * least + NO_RATE);
     let size = 1.0_f64.hypot(ratio);
     [(d1 - ratio * d2) / size, (d2 + ratio * d1) / size]
 }

@@ -154,6 +154,18 @@ pub(crate) fn lasting_rows(system: &dyn System) -> Vec<usize> {
     system.active_rows().iter().filter(|row| !of_contacts.contains(row)).map(|row| *row as usize).collect()
 }
 
+/// Holds for each contact that slides in space the direction in which it does, if it moves.
+pub(crate) fn face_directions(system: &mut dyn System, at: At<'_>) {
+    if !system.contacts().all.iter().any(|contact| contact.direction.is_some()) {
+        return;
+    }
+    let (modes, known) = (system.contacts().modes(system.phase()), kinematics(&*system, at));
+    let slides = |k: &usize| modes[*k] == ContactMode::Slides && known[*k].sliding != [0.0; 2];
+    for k in (0..modes.len()).filter(slides) {
+        hold_direction(system, k, along(known[k].sliding), 0.0);
+    }
+}
+
 /// All that several may do together, the last one's options changing fastest.
 fn combinations<'a>(options: impl Iterator<Item = &'a [ContactMode]>) -> Vec<Vec<ContactMode>> {
     let longer = |all: Vec<Vec<ContactMode>>, own: &[ContactMode]| {

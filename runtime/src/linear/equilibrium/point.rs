@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use nalgebra::DMatrix;
 
 use super::Guess;
+use crate::constrain::face_directions;
 use crate::linear::matrices::NO_ANGLE;
 use crate::linear::{LinearError, Residual, SparseMatrix, has_dependent_coordinates, short};
 use crate::mechanism::dense::{constraint_matrix, constraint_triples};
@@ -114,8 +115,9 @@ impl LinearisationPoint {
         self.system.borrow().modes().to_vec()
     }
 
-    /// Puts every switch on the side where its argument is; on its surface `sign` is 0 and `step` is 1.
+    /// Puts every switch on the side where its argument is; on its surface `sign` is 0 and `step` is 1. What slides in space has the direction of its rate.
     fn settle(&self, t: f64, q: &[f64], v: &[f64]) {
+        face_directions(&mut **self.system.borrow_mut(), At::new(t, q, v));
         let arguments = self.arguments(t, q, v);
         if arguments.is_empty() {
             return;

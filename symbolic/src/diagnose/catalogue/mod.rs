@@ -1,7 +1,7 @@
 //! The catalogue of errors: data, and one constructor for each entry.
 //!
 //! By subject: [`yaml`] E001–, [`syntax`] E101– (inside expressions, keys and units), [`names`] E201– (names, sizes,
-//! indices, kinds), [`units`] E241–, [`states`] E260– (states of first order), [`memory`] E270– (held values), [`contacts`] E277– (friction and contacts), [`noise`] E281–, [`sections`] E301– (the shape of a file), [`mechanics`] E401– (bodies, forces, scenes),
+//! indices, kinds), [`units`] E241–, [`states`] E260– (states of first order), [`memory`] E270– (held values), [`contacts`] E278– (friction and contacts), [`noise`] E281–, [`sections`] E301– (the shape of a file), [`mechanics`] E401– (bodies, forces, scenes),
 //! [`verdicts`] E501– (what deriving finds), [`later`] E901– (not supported yet).
 //!
 //! A constructor takes the [`Place`](super::Place) first and then what its message names.  An argument called

@@ -15,8 +15,8 @@ use crate::model::expression::joints;
 use crate::model::resolved::Work;
 use crate::model::resolver::Resolver;
 
-/// Keeps r from being 0/0; it vanishes in rounding beside the square of any rate.
-const NO_RATE: f64 = 1e-300;
+/// Keeps r, and its derivatives, from being 0/0; it vanishes in rounding beside the square of any rate.
+const NO_RATE: f64 = 1e-90;
 
 /// A force of friction, and its work.
 pub(super) struct Rub {

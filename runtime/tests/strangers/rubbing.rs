@@ -1,0 +1,351 @@
+//! Contacts in space that rub: they slide in any direction, stop, begin to slide and strike.
+
+use dalembert::Method;
+
+use super::{Case, case, folder, program};
+
+/// A puck on a floor that may be tilted about y.
+const PUCK: &str = r#"
+name: Puck
+parameters: {m: 2 kg, g: 10 m/s^2, mu: 0.3, v: 3 m/s, a: 0.4 rad, b: 0 rad}
+coordinates: {x: m, y: m, z: m}
+bodies: {puck: {mass: m, position: "[x, y, z]"}}
+gravity: [0, 0, -g]
+contacts: {floor: {gap: "x*sin(b) + z*cos(b)", on: puck, normal: "[sin(b), 0, cos(b)]", friction: mu}}
+outputs: {T: reaction(floor.friction), N: reaction(floor)}
+scene: {start: {x: 0, y: 0, z: 0, x': v*cos(a)*cos(b), y': v*sin(a), z': -v*cos(a)*sin(b)}, until: 2, tolerance: 1e-12}
+"#;
+
+/// A ball on a floor, with a start that is still to be said.
+const BALL: &str = r#"
+name: Ball
+parameters: {m: 2 kg, R: 0.1 m, g: 10 m/s^2, mu: 0.3, e: 0.6}
+coordinates: {x: m, y: m, z: m, att: rotation}
+frames: {B: {rotate: att}}
+bodies: {ball: {mass: m, inertia: ["2*m*R^2/5", "2*m*R^2/5", "2*m*R^2/5"], frame: B, position: "[x, y, z]"}}
+gravity: [0, 0, -g]
+contacts: {floor: {gap: z - R, on: ball, at: "[x, y, z - R]", normal: "[0, 0, 1]", friction: mu, restitution: e}}
+outputs: {w: angular_velocity(ball), T: kinetic_energy}
+"#;
+
+fn quiet(text: &str) -> Case {
+    let mut case = case(text);
+    case.settings.digits = false;
+    case
+}
+
+fn near(found: f64, expected: f64, within: f64, what: &str) {
+    assert!((found - expected).abs() < within, "{what}: {found}, and not {expected}");
+}
+
+#[test]
+fn a_puck_stops_where_it_would_in_the_plane() {
+    let plane = "name: Plane\nparameters: {m: 2 kg, g: 10 m/s^2, mu: 0.3, v: 3 m/s}\ncoordinates: {x: m, y: m}\n\
+                 bodies: {puck: {mass: m, position: \"[x, y]\"}}\ngravity: [0, -g]\n\
+                 contacts: {floor: {gap: y, on: puck, normal: \"[0, 1]\", friction: mu}}\n\
+                 scene: {start: {x: 0, y: 0, x': v}, until: 2, tolerance: 1e-12}\n";
+    let way = quiet(plane).run().last()["x"];
+    near(way, 1.5, 1e-11, "the plane");
+    for angle in [0.0, 0.4, 2.0, -2.5] {
+        let run = quiet(&PUCK.replace("a: 0.4", &format!("a: {angle}"))).run();
+        near(run.last()["x"], way * f64::cos(angle), 1e-9, "x");
+        near(run.last()["y"], way * f64::sin(angle), 1e-9, "y");
+        let events: Vec<(&str, f64)> = run.events.iter().map(|event| (event.name.as_str(), event.state.t)).collect();
+        let [("floor stops", t)] = events.as_slice() else { panic!("{angle}: {events:?}") };
+        near(*t, 1.0, 1e-11, "the stop");
+    }
+}
+
+/// Sliding on an incline of b with the speeds u down and w across, by many small steps of Runge and Kutta's method: places and speeds.
+fn slid(mu: f64, b: f64, start: [f64; 2], time: f64) -> [f64; 4] {
+    let rate = |y: [f64; 4]| {
+        let speed = y[2].hypot(y[3]);
+        [y[2], y[3], 10.0 * b.sin() - mu * 10.0 * b.cos() * y[2] / speed, -mu * 10.0 * b.cos() * y[3] / speed]
+    };
+    let (mut y, n) = ([0.0, 0.0, start[0], start[1]], 20_000);
+    let h = time / f64::from(n);
+    let moved = |y: [f64; 4], k: [f64; 4], h: f64| std::array::from_fn(|i| y[i] + h * k[i]);
+    for _ in 0..n {
+        let k1 = rate(y);
+        let k2 = rate(moved(y, k1, h / 2.0));
+        let k3 = rate(moved(y, k2, h / 2.0));
+        let k4 = rate(moved(y, k3, h));
+        y = std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * (k2[i] + k3[i]) + k4[i]));
+    }
+    y
+}
+
+#[test]
+fn a_puck_on_an_incline_turns_down_and_stops_where_it_is_rough_enough() {
+    let b = 0.5_f64;
+    for (mu, a, until) in [(0.7, 2.0, 0.6), (0.5, 3.1, 2.0), (0.5, 2.0, 2.0)] {
+        let text = PUCK.replace("b: 0 rad", "b: 0.5 rad").replace("mu: 0.3", &format!("mu: {mu}"));
+        let text = text.replace("a: 0.4", &format!("a: {a}"));
+        let last = quiet(&text.replace("until: 2", &format!("until: {until}"))).run().last();
+        let [x, y, u, w] = slid(mu, b, [3.0 * f64::cos(a), 3.0 * f64::sin(a)], until);
+        let names = [("x", x * b.cos()), ("y", y), ("x'", u * b.cos()), ("y'", w), ("z", -x * b.sin())];
+        names.into_iter().for_each(|(name, expected)| near(last[name], expected, 1e-9, name));
+        let last = quiet(&text.replace("until: 2", "until: 9")).run().last();
+        // Up the incline it holds m g sin b where tan b is less than mu.
+        let stuck = mu > b.tan();
+        assert_eq!(last["x'"] == 0.0, stuck);
+        let held = (last["T.x"].powi(2) + last["T.z"].powi(2)).sqrt();
+        near(held, if stuck { 20.0 * b.sin() } else { 0.0 }, 1e-9, "what holds");
+    }
+}
+
+#[test]
+fn what_slides_straight_up_an_incline_turns_round() {
+    let text = PUCK.replace("b: 0 rad", "b: 0.5 rad").replace("a: 0.4", "a: pi");
+    let run = quiet(&text).run();
+    let (up, down) = (10.0 * (0.5_f64.sin() + 0.3 * 0.5_f64.cos()), 10.0 * (0.5_f64.sin() - 0.3 * 0.5_f64.cos()));
+    let left = 2.0 - 3.0 / up;
+    let way = -9.0 / (2.0 * up) + down * left * left / 2.0;
+    near(run.last()["x"], way * 0.5_f64.cos(), 1e-10, "x");
+    near(run.last()["y"], 0.0, 1e-12, "y");
+}
+
+#[test]
+fn a_gap_need_be_no_distance() {
+    let tilted = PUCK.replace("b: 0 rad", "b: 0.5 rad").replace("mu: 0.3", "mu: 0.4");
+    let slope = tilted.replace("x*sin(b) + z*cos(b)", "z + x*tan(b)");
+    let [one, other] = [tilted, slope].map(|text| quiet(&text).run().last());
+    for name in ["x", "y", "z", "x'", "N"] {
+        near(one[name], other[name], 1e-9, name);
+    }
+    let wrong = PUCK.replace("normal: \"[sin(b), 0, cos(b)]\"", "normal: \"[sin(b), 0.1, cos(b)]\"");
+    let problems = dalembert_symbolic::lower::compile(&wrong, &[]).expect_err("another normal");
+    assert_eq!(problems[0].code, "E462");
+}
+
+#[test]
+fn a_thrown_ball_slides_along_a_parabola_and_rolls() {
+    let start = "scene: {start: {x: 0, y: 0, z: R, x': 3, y': 1.2, att': {ground: [20, -30, 15]}}, until: 4, tolerance: 1e-12}\n";
+    let run = quiet(&format!("{BALL}{start}")).run();
+    let (v, w) = ([3.0, 1.2], [20.0, -30.0]);
+    // s = v + w x (0, 0, -R); 2/7 of it are left to v.
+    let s = [v[0] - 0.1 * w[1], v[1] + 0.1 * w[0]];
+    let speed = f64::hypot(s[0], s[1]);
+    let t = 2.0 * speed / (7.0 * 3.0);
+    let stops: Vec<f64> = run.events.iter().map(|event| event.state.t).collect();
+    assert_eq!(stops.len(), 1, "{:?}", run.events);
+    near(stops[0], t, 1e-10, "rolls");
+    for (k, (place, rate)) in [("x", "x'"), ("y", "y'")].into_iter().enumerate() {
+        let rolls = v[k] - 2.0 / 7.0 * s[k];
+        near(run.last()[rate], rolls, 1e-9, rate);
+        near(run.last()[place], v[k] * t - 1.5 * t * t * s[k] / speed + rolls * (4.0 - t), 1e-9, place);
+        // Rolling: v = w x (0, 0, R).
+        let turns = if k == 0 { 0.1 * run.last()["w.y"] } else { -0.1 * run.last()["w.x"] };
+        near(turns, rolls, 1e-9, "turns");
+    }
+    near(run.last()["w.z"], 15.0, 1e-9, "w.z");
+}
+
+/// A block that is pulled more and more, in a direction that turns.
+const PULLED: &str = r#"
+name: Pulled
+parameters: {m: 2 kg, g: 10 m/s^2, mu: 0.3, mus: 0.4, k: 4 N/s, w: 0.7 rad/s}
+coordinates: {x: m, y: m, z: m}
+bodies: {puck: {mass: m, position: "[x, y, z]"}}
+gravity: [0, 0, -g]
+forces: {pull: {on: puck, force: "[k*t*cos(w*t), k*t*sin(w*t), 0]"}}
+contacts: {floor: {gap: z, on: puck, normal: "[0, 0, 1]", friction: mu, static: mus}}
+scene: {start: {x: 0, y: 0, z: 0}, until: 2.001, tolerance: 1e-11}
+"#;
+
+#[test]
+fn a_block_begins_to_slide_where_it_is_pulled() {
+    let run = quiet(PULLED).run();
+    near(run.events[0].state.t, 2.0, 1e-12, "slips");
+    let (along, beside) = (f64::cos(1.4), f64::sin(1.4));
+    let [x, y] = ["x'", "y'"].map(|name| run.last()[name]);
+    // In 1 ms with (8 - 6) N, and more; the pull turns by 0.7 mrad meanwhile.
+    near(x * along + y * beside, 1e-3, 2e-6, "along");
+    near(y * along - x * beside, 0.0, 2e-6, "beside");
+    assert!(run.contacts()[0].held.is_some_and(|held| (held - 1.0).abs() < 1e-9));
+    // At its limit it does not move at first; explicit steps and implicit ones find one motion.
+    let text = PULLED.replace("mus: 0.4", "mus: 0.3").replace("until: 2.001", "until: 2").replace("1e-11", "1e-7");
+    let [one, other] = [Method::Dop853, Method::Radau5].map(|method| {
+        let mut case = quiet(&text);
+        case.settings.method = method;
+        case.run().last()
+    });
+    ["x", "y", "x'", "y'"].into_iter().for_each(|name| near(one[name], other[name], 1e-6, name));
+}
+
+#[test]
+fn a_ball_that_bounces_is_rubbed_within_the_cone() {
+    let start = "scene: {start: {x: 0, y: 0, z: R + 0.5, x': 1.2, y': -0.7, att': {ground: [20, -30, 15]}}, until: 1.25, tolerance: 1e-11}\n";
+    let run = quiet(&format!("{BALL}{start}").replace("mu: 0.3", "mu: 0.15")).run();
+    let of =
+        |k: usize, name: &str| run.impulses[k].constraints.iter().find(|(known, _)| known == name).map_or(0.0, |p| p.1);
+    let mut sliding = 0;
+    for k in 0..run.impulses.len() {
+        let [n, a, b] = ["floor", "floor.friction.1", "floor.friction.2"].map(|name| of(k, name));
+        assert!(f64::hypot(a, b) <= 0.15 * n * (1.0 + 1e-9) + 1e-12, "{k}: {n} {a} {b}");
+        assert!(run.impulses[k].energy < 0.0, "{k}");
+        sliding += usize::from((f64::hypot(a, b) - 0.15 * n).abs() < 1e-9 * n);
+    }
+    // s = (4.2, 1.3) m/s; each N s takes 7/(2 m) of it, until it sticks in the third impact.
+    assert_eq!(sliding, 2);
+    let struck = 0.15 * 2.0 * 1.6 * 10.0_f64.sqrt();
+    let s = f64::hypot(4.2, 1.3);
+    near(of(0, "floor.friction.1"), -struck * 4.2 / s, 1e-9, "against the sliding");
+    near(of(0, "floor.friction.2"), -struck * 1.3 / s, 1e-9, "against the sliding");
+}
+
+#[test]
+fn impacts_in_space_are_those_of_the_plane() {
+    // A rod falls onto its lower end: what holds the end is not across what presses it.
+    let space = r#"
+name: Rod
+parameters: {m: 1 kg, l: 1 m, g: 10 m/s^2, a: 45 deg, mu: 0.2, mus: 0.7, v: 2 m/s, u: 0 m/s}
+coordinates: {x: m, y: m, z: m, th: rad, ps: rad}
+frames: {B: {rotate: [[z, ps], [y, "-th"]]}}
+points: {tip: "[x, y, z] - l/2*B.x"}
+bodies: {rod: {mass: m, inertia: [0, "m*l^2/12", "m*l^2/12"], frame: B, position: "[x, y, z]"}}
+gravity: [0, 0, -g]
+contacts: {floor: {gap: tip.z, on: rod, at: tip, normal: "[0, 0, 1]", friction: mu, static: mus}}
+scene: {start: {x: 0, y: 0, z: l/2*sin(a), th: a, ps: 0.3, z': -v, x': u*cos(0.3), y': u*sin(0.3)}, until: 0.2, tolerance: 1e-11}
+"#;
+    let plane = r#"
+name: Rod
+parameters: {m: 1 kg, l: 1 m, g: 10 m/s^2, a: 45 deg, mu: 0.2, mus: 0.7, v: 2 m/s, u: 0 m/s}
+coordinates: {x: m, y: m, th: rad}
+points: {tip: "[x, y] - l/2*[cos(th), sin(th)]"}
+bodies: {rod: {mass: m, inertia: m*l^2/12, angle: th, position: "[x, y]"}}
+gravity: [0, -g]
+contacts: {floor: {gap: tip.y, on: rod, at: tip, normal: "[0, 1]", friction: mu, static: mus}}
+scene: {start: {x: 0, y: l/2*sin(a), th: a, y': -v, x': u}, until: 0.2, tolerance: 1e-11}
+"#;
+    for (mus, u) in [(0.7, 0.0), (0.2, 0.0), (0.7, 1.0), (0.7, -3.0), (0.3, 0.2)] {
+        let set = |text: &str| text.replace("mus: 0.7", &format!("mus: {mus}")).replace("u: 0", &format!("u: {u}"));
+        let (one, other) = (quiet(&set(space)).run(), quiet(&set(plane)).run());
+        let (one, other) = (one.last(), other.last());
+        for (name, expected) in [("x", other["x"] * 0.3_f64.cos()), ("y", other["x"] * 0.3_f64.sin())] {
+            near(one[name], expected, 1e-9, name);
+        }
+        for (name, plain) in [("z", "y"), ("th", "th"), ("th'", "th'"), ("z'", "y'")] {
+            near(one[name], other[plain], 1e-8, name);
+        }
+        near(one["ps"], 0.3, 1e-9, "ps");
+    }
+}
+
+/// A body on three feet that slides and turns: one foot stops before the others.
+const TRIPOD: &str = r#"
+name: Tripod
+parameters: {m: 2 kg, r: 0.2 m, hc: 0.05 m, g: 10 m/s^2, mu: 0.3, v: 1 m/s, w: 8 rad/s}
+coordinates: {x: m, y: m, z: m, al: rad, be: rad, ga: rad}
+frames: {B: {rotate: [[z, ga], [y, be], [x, al]]}}
+points:
+  c: "[x, y, z]"
+  p1: c + r*B.x - hc*B.z
+  p2: c + r*(-B.x/2 + sqrt(3)/2*B.y) - hc*B.z
+  p3: c + r*(-B.x/2 - sqrt(3)/2*B.y) - hc*B.z
+bodies: {top: {mass: m, inertia: ["m*r^2/4", "m*r^2/4", "m*r^2/2"], frame: B, position: c}}
+gravity: [0, 0, -g]
+contacts:
+  one: {gap: p1.z, on: top, at: p1, normal: "[0, 0, 1]", friction: mu}
+  two: {gap: p2.z, on: top, at: p2, normal: "[0, 0, 1]", friction: mu}
+  six: {gap: p3.z, on: top, at: p3, normal: "[0, 0, 1]", friction: mu}
+scene: {start: {x: 0, y: 0, z: hc, x': v, ga': w}, until: 1, tolerance: 1e-9}
+"#;
+
+#[test]
+fn feet_stop_one_before_the_others_and_these_together() {
+    let mut case = quiet(TRIPOD);
+    let mut ends = Vec::new();
+    for tolerance in [1e-6, 1e-8, 1e-10, 1e-12] {
+        case.settings.tolerance = tolerance;
+        let run = case.run();
+        let stops: Vec<f64> = run.events.iter().map(|event| event.state.t).collect();
+        assert_eq!(stops.len(), 2, "{tolerance:e}: {:?}", run.events);
+        let still = ["x'", "y'", "ga'"].map(|name| run.last()[name].abs());
+        assert!(still.iter().all(|rate| *rate < 1e-12), "{still:?}");
+        ends.push([run.last()["x"], run.last()["y"], run.last()["ga"], stops[0], stops[1]]);
+    }
+    for (end, within) in ends.iter().zip([3e-6, 1e-8, 1e-9]) {
+        (0..5).for_each(|k| near(end[k], ends[3][k], within, "the end"));
+    }
+}
+
+#[test]
+fn what_is_rubbed_rubs_back() {
+    let text = r#"
+name: Turntable
+parameters: {m: 2 kg, M: 30 kg, r: 1 m, g: 10 m/s^2, mu: 0.3, W: 2 rad/s, x0: 0.5 m}
+coordinates: {x: m, y: m, z: m, ga: rad}
+frames: {T: {rotate: [z, ga]}}
+bodies:
+  plate: {mass: M, inertia: ["M*r^2/4", "M*r^2/4", "M*r^2/2"], frame: T, position: "[0, 0, 0]"}
+  block: {mass: m, position: "[x, y, z]"}
+gravity: [0, 0, -g]
+contacts: {rub: {gap: z, on: block, from: plate, normal: "[0, 0, 1]", friction: mu}}
+conserved: {L: "angular_momentum([0, 0, 0]).z"}
+outputs: {s: "norm([x' + ga'*y, y' - ga'*x, 0])", R2: x^2 + y^2}
+scene: {start: {x: x0, y: 0, z: 0, ga': W}, until: 5, tolerance: 1e-11}
+"#;
+    let run = quiet(text).run();
+    assert!(run.drift[0].value.is_some_and(|drift| drift < 1e-11));
+    near(run.last()["s"], 0.0, 1e-10, "s");
+    near(run.last()["ga'"], 30.0 / (15.0 + 2.0 * run.last()["R2"]), 1e-9, "turns with it");
+}
+
+#[test]
+fn a_puck_in_a_bowl_comes_to_rest_on_its_side() {
+    let text = r#"
+name: Bowl
+parameters: {m: 2 kg, R: 1 m, g: 10 m/s^2, mu: 0.1, v: 2 m/s}
+coordinates: {x: m, y: m, z: m}
+bodies: {puck: {mass: m, position: "[x, y, z]"}}
+gravity: [0, 0, -g]
+contacts: {bowl: {gap: "R - norm([x, y, z])", on: puck, normal: "-[x, y, z]", friction: mu}}
+outputs: {T: reaction(bowl.friction), N: reaction(bowl)}
+checks: {loses: {holds: "rate(energy) = -mu*reaction(bowl)*norm([x', y', z'])", phase: bowl slides}}
+balances:
+  equations: [{force: {of: [puck]}}]
+scene: {start: {x: 0.8, y: 0, z: -0.6, y': v}, until: 6, tolerance: 1e-11}
+"#;
+    let last = quiet(text).run().last();
+    // What holds it is its weight, less the force across.
+    let [x, y, z, n] = ["x", "y", "z", "N"].map(|name| last[name]);
+    near(n, -20.0 * z, 1e-9, "N");
+    near(last["T.x"], n * x, 1e-9, "T.x");
+    near(last["T.y"], n * y, 1e-9, "T.y");
+    near(last["T.z"], 20.0 + n * z, 1e-9, "T.z");
+}
+
+#[test]
+fn what_slides_in_space_goes_on_from_a_saved_state() {
+    let mut whole = quiet(&PUCK.replace("b: 0 rad", "b: 0.5 rad").replace("mu: 0.3", "mu: 0.6"));
+    whole.settings.until = 1.0;
+    let end = whole.run().last();
+    whole.settings.until = 0.25;
+    let half = whole.run().last();
+    let mut rest = quiet(&PUCK.replace("b: 0 rad", "b: 0.5 rad").replace("mu: 0.3", "mu: 0.6"));
+    for (k, (place, rate)) in [("x", "x'"), ("y", "y'"), ("z", "z'")].into_iter().enumerate() {
+        (rest.settings.q[k], rest.settings.v[k]) = (half[place], half[rate]);
+    }
+    (rest.settings.from, rest.settings.until) = (0.25, 1.0);
+    let again = rest.run().last();
+    ["x", "y", "x'"].into_iter().for_each(|name| near(again[name], end[name], 1e-10, name));
+}
+
+#[test]
+fn what_cannot_follow_a_direction_says_so() {
+    let folder = folder("rubbing");
+    let path = folder.join("puck.yaml");
+    std::fs::write(&path, PUCK).expect("a file");
+    let path = path.to_str().expect("a path");
+    let refused = |arguments: &[&str]| program(arguments).expect_err("refused");
+    let told = refused(&["simulate", path, "--slopes", "mu"]);
+    assert!(told.contains("contacts slide in space"), "{told}");
+    let told = refused(&["orbit", path]);
+    assert!(told.contains("slide in space"), "{told}");
+    let told = refused(&["simulate", path, "--method", "verlet", "--step", "0.01"]);
+    assert!(told.contains("forces are made of reactions"), "{told}");
+    let told = refused(&["export", path, "--fmu", folder.join("puck.fmu").to_str().expect("a path")]);
+    assert!(told.contains("`floor`: what contacts"), "{told}");
+    std::fs::remove_dir_all(folder).expect("removed");
+}
