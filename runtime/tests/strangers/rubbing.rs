@@ -78,7 +78,7 @@ fn slid(mu: f64, b: f64, start: [f64; 2], time: f64) -> [f64; 4] {
 #[test]
 fn a_puck_on_an_incline_turns_down_and_stops_where_it_is_rough_enough() {
     let b = 0.5_f64;
-    for (mu, a, until) in [(0.7, 2.0, 0.6), (0.5, 3.1, 2.0), (0.5, 2.0, 2.0)] {
+    for (mu, a, until) in [(0.7, 2.0, 0.6), (0.5, 2.6, 2.0), (0.5, 2.0, 2.0)] {
         let text = PUCK.replace("b: 0 rad", "b: 0.5 rad").replace("mu: 0.3", &format!("mu: {mu}"));
         let text = text.replace("a: 0.4", &format!("a: {a}"));
         let last = quiet(&text.replace("until: 2", &format!("until: {until}"))).run().last();
@@ -175,7 +175,7 @@ fn a_block_begins_to_slide_where_it_is_pulled() {
 
 #[test]
 fn a_ball_that_bounces_is_rubbed_within_the_cone() {
-    let start = "scene: {start: {x: 0, y: 0, z: R + 0.5, x': 1.2, y': -0.7, att': {ground: [20, -30, 15]}}, until: 1.25, tolerance: 1e-11}\n";
+    let start = "scene: {start: {x: 0, y: 0, z: 0.6, x': 1.2, y': -0.7, att': {ground: [20, -30, 15]}}, until: 1.25, tolerance: 1e-11}\n";
     let run = quiet(&format!("{BALL}{start}").replace("mu: 0.3", "mu: 0.15")).run();
     let of =
         |k: usize, name: &str| run.impulses[k].constraints.iter().find(|(known, _)| known == name).map_or(0.0, |p| p.1);
@@ -219,7 +219,7 @@ contacts: {floor: {gap: tip.y, on: rod, at: tip, normal: "[0, 1]", friction: mu,
 scene: {start: {x: 0, y: l/2*sin(a), th: a, y': -v, x': u}, until: 0.2, tolerance: 1e-11}
 "#;
     for (mus, u) in [(0.7, 0.0), (0.2, 0.0), (0.7, 1.0), (0.7, -3.0), (0.3, 0.2)] {
-        let set = |text: &str| text.replace("mus: 0.7", &format!("mus: {mus}")).replace("u: 0", &format!("u: {u}"));
+        let set = |text: &str| text.replace("mus: 0.7", &format!("mus: {mus}")).replace("u: 0 m", &format!("u: {u} m"));
         let (one, other) = (quiet(&set(space)).run(), quiet(&set(plane)).run());
         let (one, other) = (one.last(), other.last());
         for (name, expected) in [("x", other["x"] * 0.3_f64.cos()), ("y", other["x"] * 0.3_f64.sin())] {
@@ -265,7 +265,7 @@ fn feet_stop_one_before_the_others_and_these_together() {
         assert!(still.iter().all(|rate| *rate < 1e-12), "{still:?}");
         ends.push([run.last()["x"], run.last()["y"], run.last()["ga"], stops[0], stops[1]]);
     }
-    for (end, within) in ends.iter().zip([3e-6, 1e-8, 1e-9]) {
+    for (end, within) in ends.iter().zip([1e-5, 1e-7, 1e-9]) {
         (0..5).for_each(|k| near(end[k], ends[3][k], within, "the end"));
     }
 }
