@@ -127,6 +127,11 @@ pub enum LinearError {
         /// A coordinate whose equation changes, or a constraint that does.
         coordinate: String,
     },
+    /// A contact slides in space: what the direction of friction does to small departures depends on how fast it slides, and at rest it has none.
+    SlidesInSpace {
+        /// Its name.
+        contact: String,
+    },
     /// M is not positive definite.
     SingularMass {
         /// The coordinate whose pivot is not positive.
@@ -334,6 +339,11 @@ impl fmt::Display for LinearError {
                 f,
                 "the equation of `{coordinate}` depends on time, so it has no equilibrium; a force that varies may be an input, \
                  but where a mass or stiffness varies (Mathieu) only a run tells whether motions grow"
+            ),
+            LinearError::SlidesInSpace { contact } => write!(
+                f,
+                "`{contact}` slides in space, where friction follows the direction of sliding: there is no linear model yet; another phase, \
+                 `{contact} sticks` or `{contact} open`, may have one"
             ),
             LinearError::SingularMass { coordinate } => {
                 write!(f, "the mass matrix is not positive definite: nothing gives `{coordinate}` an inertia here")

@@ -271,6 +271,38 @@ fn feet_stop_one_before_the_others_and_these_together() {
 }
 
 #[test]
+fn a_coin_on_its_edge_slides_until_it_rolls() {
+    let text = r#"
+name: Coin
+parameters: {m: 1 kg, r: 0.1 m, g: 9.81 m/s^2, mu: 0.3, th0: 0.3 rad, w: 12 rad/s}
+coordinates: {x: m, y: m, z: m, psi: rad, th: rad, phi: rad}
+frames:
+  A: {rotate: [z, psi]}
+  L: {from: A, rotate: [x, th]}
+  B: {from: L, rotate: [y, phi]}
+points: {c: "[x, y, z]", p: c - r*L.z}
+bodies: {coin: {mass: m, inertia: ["m*r^2/4", "m*r^2/2", "m*r^2/4"], frame: B, position: c}}
+gravity: [0, 0, -g]
+contacts: {floor: {gap: p.z, on: coin, at: p, normal: "[0, 0, 1]", friction: mu}}
+outputs: {E: energy, s: "norm(velocity(coin, p))"}
+scene: {start: {x: 0, y: 0, z: r*cos(th0), th: th0, phi': w, psi': 1, x': 0.2, z': 0}, until: 1.5, tolerance: 1e-9}
+"#;
+    let mut case = quiet(text);
+    let rough = case.run();
+    case.settings.tolerance = 1e-12;
+    let fine = case.run();
+    for name in ["x", "y", "th", "psi"] {
+        near(rough.last()[name], fine.last()[name], 1e-6, name);
+    }
+    let [stops, again] = [&rough, &fine].map(|run| run.events[0].state.t);
+    near(stops, again, 1e-9, "rolls");
+    near(fine.last()["s"], 0.0, 1e-11, "s");
+    // What rolls loses nothing.
+    case.settings.until = again + 1e-3;
+    near(case.run().last()["E"], fine.last()["E"], 1e-10, "the energy");
+}
+
+#[test]
 fn what_is_rubbed_rubs_back() {
     let text = r#"
 name: Turntable
@@ -345,6 +377,9 @@ fn what_cannot_follow_a_direction_says_so() {
     assert!(told.contains("slide in space"), "{told}");
     let told = refused(&["simulate", path, "--method", "verlet", "--step", "0.01"]);
     assert!(told.contains("forces are made of reactions"), "{told}");
+    let told = refused(&["modes", path]);
+    assert!(told.contains("`floor` slides in space"), "{told}");
+    program(&["modes", path, "--phase", "floor sticks"]).expect("it rests");
     let told = refused(&["export", path, "--fmu", folder.join("puck.fmu").to_str().expect("a path")]);
     assert!(told.contains("`floor`: what contacts"), "{told}");
     std::fs::remove_dir_all(folder).expect("removed");

@@ -30,6 +30,7 @@ use std::io::Write;
 use super::load::{Loaded, pairs};
 use super::set_up::{Reader, choose, with_unit_of};
 use super::{Context, Problem, outputs};
+use crate::constrain::slides_in_space;
 use crate::linear::{
     Guess, Kind, LinearError, Linearised, Mode, animate_mode, draw_modes, equilibrium_here, equilibrium_near,
     guess_of_rest, has_dependent_coordinates, linearise, linearise_constrained, short,
@@ -294,7 +295,7 @@ fn enter_phase(loaded: &mut Loaded, scene: usize, options: &ArgMatches) -> Resul
         let settings = Settings::new(&loaded.system.scene(scene));
         let phase = settled(&mut *loaded.system, &settings).phase;
         loaded.system.set_phase(phase);
-        return Ok(());
+        return refuse_sliding(loaded);
     };
     let phases = &loaded.system.description().phases;
     match phases.iter().position(|phase| phase.name == *name) {
@@ -307,7 +308,15 @@ fn enter_phase(loaded: &mut Loaded, scene: usize, options: &ArgMatches) -> Resul
             }));
         }
     }
-    Ok(())
+    refuse_sliding(loaded)
+}
+
+/// Refuses a phase in which something slides in space, of which there is no linear model.
+fn refuse_sliding(loaded: &Loaded) -> Result<(), Problem> {
+    match slides_in_space(&*loaded.system) {
+        None => Ok(()),
+        Some(contact) => Err(failed(LinearError::SlidesInSpace { contact })),
+    }
 }
 
 fn failed(error: LinearError) -> Problem {

@@ -154,16 +154,12 @@ pub(crate) fn lasting_rows(system: &dyn System) -> Vec<usize> {
     system.active_rows().iter().filter(|row| !of_contacts.contains(row)).map(|row| *row as usize).collect()
 }
 
-/// Holds for each contact that slides in space the direction in which it does, if it moves.
-pub(crate) fn face_directions(system: &mut dyn System, at: At<'_>) {
-    if !system.contacts().all.iter().any(|contact| contact.direction.is_some()) {
-        return;
-    }
-    let (modes, known) = (system.contacts().modes(system.phase()), kinematics(&*system, at));
-    let slides = |k: &usize| modes[*k] == ContactMode::Slides && known[*k].sliding != [0.0; 2];
-    for k in (0..modes.len()).filter(slides) {
-        hold_direction(system, k, along(known[k].sliding), 0.0);
-    }
+/// A contact that slides in space in the phase in force.
+pub(crate) fn slides_in_space<S: System + ?Sized>(system: &S) -> Option<String> {
+    let contacts = system.contacts();
+    let modes = contacts.modes(system.phase());
+    let slides = contacts.all.iter().zip(modes).find(|(_, mode)| *mode == ContactMode::Slides);
+    slides.map(|(contact, _)| contact.name.to_string())
 }
 
 /// All that several may do together, the last one's options changing fastest.

@@ -41,6 +41,7 @@ pub(super) fn balance(
     }
     let (levels, symmetries) = {
         let system = probe.system.borrow();
+        super::refuse_sliding(&**system)?;
         let held = ConstrainedState::new(&**system, &rows, &guess.q);
         let symmetries =
             if moves { held.symmetries(&guess.q, &kept)? } else { Symmetries::of_shifts(Shifts::none(held.n)) };

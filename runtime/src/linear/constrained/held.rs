@@ -43,6 +43,7 @@ impl Held {
             if !has_dependent_coordinates(&**system) {
                 return Ok(None);
             }
+            super::refuse_sliding(&**system)?;
             let rows: Vec<usize> = rows_in_force(&**system).collect();
             let mut held = at_rest(&**system, &rows, &Guess::at(q))?;
             let closed = held.closed_near(q)?;

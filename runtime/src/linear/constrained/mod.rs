@@ -30,6 +30,7 @@ mod turns;
 
 use super::equilibrium::LinearisationPoint;
 use super::{Guess, LinearError};
+use crate::constrain::slides_in_space;
 use crate::mechanism::System;
 
 pub(super) use balance::balance;
@@ -49,6 +50,14 @@ pub use tangent::{Tangent, linearise_tangent};
 /// A search for a state is begun again for other sides of discontinuities at most so often.
 const SIDES: usize = 8;
 
+/// Refuses a phase in which a contact slides in space.
+///
+/// # Errors
+/// [`LinearError::SlidesInSpace`].
+fn refuse_sliding<S: System + ?Sized>(system: &S) -> Result<(), LinearError> {
+    slides_in_space(system).map_or(Ok(()), |contact| Err(LinearError::SlidesInSpace { contact }))
+}
+
 /// Does `find` with inputs and clock standing still and every discontinuity on the side where the state is that it finds.
 ///
 /// # Errors
@@ -58,6 +67,7 @@ fn on_its_sides<S: System + ?Sized, T>(
     guess: &Guess,
     find: impl Fn(&dyn System, &Guess) -> Result<(T, Guess), LinearError>,
 ) -> Result<T, LinearError> {
+    refuse_sliding(system)?;
     let mut probe = LinearisationPoint::new(system, guess);
     let mut from = guess.clone();
     for _ in 0..SIDES {

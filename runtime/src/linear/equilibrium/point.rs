@@ -6,7 +6,6 @@ use std::collections::BTreeMap;
 use nalgebra::DMatrix;
 
 use super::Guess;
-use crate::constrain::face_directions;
 use crate::linear::matrices::NO_ANGLE;
 use crate::linear::{LinearError, Residual, SparseMatrix, has_dependent_coordinates, short};
 use crate::mechanism::dense::{constraint_matrix, constraint_triples};
@@ -115,9 +114,8 @@ impl LinearisationPoint {
         self.system.borrow().modes().to_vec()
     }
 
-    /// Puts every switch on the side where its argument is; on its surface `sign` is 0 and `step` is 1. What slides in space has the direction of its rate.
+    /// Puts every switch on the side where its argument is; on its surface `sign` is 0 and `step` is 1.
     fn settle(&self, t: f64, q: &[f64], v: &[f64]) {
-        face_directions(&mut **self.system.borrow_mut(), At::new(t, q, v));
         let arguments = self.arguments(t, q, v);
         if arguments.is_empty() {
             return;
