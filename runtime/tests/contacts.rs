@@ -26,6 +26,19 @@ scene: {start: {x: 0}, until: 4}
 "#
 );
 
+dalembert::model!(
+    yaml = r#"
+name: Thrown
+parameters: {m: 2 kg, R: 0.1 m, g: 10 m/s^2, mu: 0.3, e: 0.5}
+coordinates: {x: m, y: m, z: m, att: rotation}
+frames: {B: {rotate: att}}
+bodies: {ball: {mass: m, inertia: ["2*m*R^2/5", "2*m*R^2/5", "2*m*R^2/5"], frame: B, position: "[x, y, z]"}}
+gravity: [0, 0, -g]
+contacts: {floor: {gap: z - R, on: ball, at: "[x, y, z - R]", normal: "[0, 0, 1]", friction: mu, restitution: e}}
+scene: {start: {x: 0, y: 0, z: R, x': 3, y': 1.2, z': 1, att': {ground: [20, -30, 15]}}, until: 4, tolerance: 1e-12}
+"#
+);
+
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 
 fn model(name: &str) -> String {
@@ -487,4 +500,21 @@ fn reports_tell_what_contacts_did() {
     near(&found["impulses"][0]["energy"], -0.75 * 2.0 * 9.81, 1e-7);
     assert_eq!(found["contacts"]["floor"]["open"], 0.8);
     assert_eq!(found["contacts"]["floor"]["held"], Value::Null);
+}
+
+/// It hops, slides and rolls: what a sphere is rubbed with changes neither its moment about the floor nor the direction of its sliding.
+#[test]
+fn generated_code_slides_in_space() {
+    let run = Thrown::default().simulate().run().expect("a run");
+    let last = run.last();
+    // v + w x (0, 0, -R) = (6, 3.2) m/s, 2/7 of which are left to v where it rolls.
+    assert!(
+        (last["x'"] - (3.0 - 12.0 / 7.0)).abs() < 1e-9 && (last["y'"] - (1.2 - 6.4 / 7.0)).abs() < 1e-9,
+        "{last:?}"
+    );
+    let names: Vec<&str> = run.events.iter().map(|event| event.name.as_str()).collect();
+    assert_eq!(names.last(), Some(&"floor stops"), "{names:?}");
+    let history = &run.contacts()[0];
+    let modes: Vec<ContactMode> = history.modes.iter().map(|(mode, _)| *mode).collect();
+    assert_eq!(modes, [ContactMode::Open, ContactMode::Slides, ContactMode::Sticks]);
 }

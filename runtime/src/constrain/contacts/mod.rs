@@ -232,16 +232,7 @@ impl Situation {
         };
         let active: Vec<usize> = rows_in_force(system).collect();
         let basis = matrix.select_rows(&active).transpose();
-        // J_t = Σ c_k J_k, and what of the rate no speed makes is zero in this sum, too.
-        let held = |row: u32| {
-            let row = row as usize;
-            let own = matrix.row(row).transpose();
-            let parts = solve_least(&basis, &DMatrix::from_column_slice(n, 1, own.as_slice()))?;
-            let missed = (&own - &basis * &parts).amax();
-            let rest = active.iter().zip(&parts).fold(driven(row), |rest, (k, part)| rest - part * driven(*k));
-            let size = active.iter().zip(&parts).fold(terms(row), |size, (k, part)| size + part.abs() * terms(*k));
-            Some(missed <= IN_SPAN * own.amax() && rest.abs() <= STILL * size)
-        };
+        let held = |row: u32| is_held(&matrix, (&basis, &active), row as usize, (&driven, &terms)).unwrap_or(false);
         let within = closed_within(system, at, scales);
         let closed = |row: Option<u32>| row.is_none_or(|row| triples[row as usize][0].abs() <= within[row as usize]);
         Situation {
@@ -252,14 +243,26 @@ impl Situation {
                 .iter()
                 .map(|contact| [still(&mut contact.normal.into_iter()), still(&mut contact.tangents())])
                 .collect(),
-            held: contacts
-                .iter()
-                .map(|contact| contact.tangent.is_some() && contact.tangents().all(|row| held(row).unwrap_or(false)))
-                .collect(),
+            held: contacts.iter().map(|contact| contact.tangent.is_some() && contact.tangents().all(held)).collect(),
             least: contacts
                 .iter()
                 .map(|contact| contact.tangents().map(|row| rounding(row as usize)).fold(0.0, f64::max))
                 .collect(),
         }
     }
+}
+
+/// Whether the rows in force keep the rate of another one at zero: J_t = Σ c_k J_k, and what of the rate no speed makes is zero in this sum, too.
+fn is_held(
+    matrix: &DMatrix<f64>,
+    (basis, active): (&DMatrix<f64>, &[usize]),
+    row: usize,
+    (driven, terms): (&dyn Fn(usize) -> f64, &dyn Fn(usize) -> f64),
+) -> Option<bool> {
+    let own = matrix.row(row).transpose();
+    let parts = solve_least(basis, &DMatrix::from_column_slice(own.len(), 1, own.as_slice()))?;
+    let missed = (&own - basis * &parts).amax();
+    let rest = active.iter().zip(&parts).fold(driven(row), |rest, (k, part)| rest - part * driven(*k));
+    let size = active.iter().zip(&parts).fold(terms(row), |size, (k, part)| size + part.abs() * terms(*k));
+    Some(missed <= IN_SPAN * own.amax() && rest.abs() <= STILL * size)
 }

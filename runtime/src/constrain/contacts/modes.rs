@@ -206,7 +206,7 @@ pub(crate) fn turned(system: &mut dyn System, moment: &Moment<'_>, contact: usiz
     let slow: Vec<usize> = (0..situation.modes.len()).filter(is_slow).collect();
     let alone = [contact];
     for stopping in [slow.as_slice(), &alone].into_iter().filter(|stopping| stopping.contains(&contact)) {
-        if stopping.iter().all(|k| is_slow(k))
+        if stopping.iter().all(is_slow)
             && let Some(rows) = are_held_by_sliding(system, moment, &situation.modes, stopping)
         {
             return Turned::Dies(rows);

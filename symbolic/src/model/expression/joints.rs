@@ -92,7 +92,7 @@ pub fn across(builder: &mut ExprBuilder, normal: &[Id]) -> [Vec<Id>; 2] {
     });
     let larger = |nearest: usize, k: usize| if known[k].abs() > known[nearest].abs() { k } else { nearest };
     let nearest = if known.iter().all(|x| x.is_finite()) { [1, 0].into_iter().fold(2, larger) } else { 2 };
-    vectors::across(&mut builder.graph, normal, (nearest, !(known[nearest] < 0.0)))
+    vectors::across(&mut builder.graph, normal, (nearest, known[nearest] >= 0.0 || known[nearest].is_nan()))
 }
 
 /// The velocity of the material of a body at a point, v + ω × (P − r); of the ground it is 0.
