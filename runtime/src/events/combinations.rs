@@ -52,8 +52,7 @@ pub(super) fn combinations<S: System + ?Sized>(
     // With the place of the switch to look at next.
     let mut stack = vec![(Combination { modes: before.modes.to_vec(), on: vec![false; count] }, 0)];
     while let Some((mut one, next)) = stack.pop() {
-        for place in next..count {
-            let switch = order[place];
+        for (place, &switch) in order.iter().enumerate().skip(next) {
             system.set_modes(&one.modes);
             if let Some(side) = known.beyond[switch] {
                 one.modes[switch] = mode(system, switch, side);

@@ -290,8 +290,9 @@ fn exactly(at: &mut impl FnMut(f64) -> (f64, f64), t: f64, span: f64) -> f64 {
     for _ in 0..CORRECTIONS {
         let (t, (value, rate)) = best;
         let next = t - value / rate;
+        let moved = (next - t).abs();
         // What is a zero of higher order, or another one, is left.
-        if next == t || !((next - t).abs() <= ASIDE * span) {
+        if moved == 0.0 || moved > ASIDE * span || moved.is_nan() {
             break;
         }
         let there = at(next);

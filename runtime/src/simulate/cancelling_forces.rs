@@ -15,7 +15,7 @@ const MOST_COORDINATES: usize = 60;
 pub(super) fn cancel(system: &mut dyn System, run: &Run) -> bool {
     let n = system.len();
     let judged = n <= MOST_COORDINATES && system.contacts().all.is_empty() && run.method != Method::Exact;
-    if !judged || system.derivation().is_some() || run.len() == 0 {
+    if !judged || system.derivation().is_some() || run.is_empty() {
         return false;
     }
     let (mut largest, mut changed) = (vec![0.0_f64; n], vec![0.0_f64; n]);
