@@ -1,14 +1,17 @@
 //! Friction that sticks and contacts that open by themselves: what all of them do from an instant on.
 //!
-//! 1. What is known of each at the instant, and which combination of modes the forces agree with: look in `modes.rs`.
+//! 1. Which combination of modes the forces agree with: look in `modes.rs`; what is known of each contact at the instant: `known.rs`; forces and
+//!    accelerations under one combination: `trials.rs`.
 //!    In which direction what slides in space begins to: look in `directions.rs`.
 //! 2. Limits of friction that are none: look in `limits.rs`.
 //! 3. Impacts of several at once, by a stated law: look in `strike.rs`.
 
 mod directions;
+mod known;
 mod limits;
 mod modes;
 mod strike;
+mod trials;
 
 pub(crate) use limits::possible_limits;
 pub(crate) use modes::{Change, Turned, is_released, settle, turned};

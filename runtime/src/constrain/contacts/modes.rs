@@ -4,25 +4,17 @@
 //! it opens, |T| ≤ L₀ where it sticks, and s' in the direction in which it begins to slip.  The linear complementarity problem that this is
 //! (Glocker, Set-Valued Force Laws, 2001, ch. 5–6) is solved by trying combinations, those first that change least.
 
-use super::directions::{along, consistent, is_near};
+use super::directions::{along, is_near};
+use super::known::{Known, direction_of_force, in_order, known, with_grain};
 use super::limits::{part_of_sticking, possible_limits_of};
 use super::strike::Strike;
-use super::{Kinematics, Moment, STILL, Situation, combinations, held_direction, hold_direction, words};
+use super::trials::{Kind, Shared, Sign, Trial, agrees, alike, compliance, enter, margins, trial_of, tried};
+use super::{Kinematics, Moment, STILL, Situation, held_direction, hold_direction, words};
 use crate::cause::Cause;
-use crate::matrix::solve_least;
-use crate::mechanism::dense::{constraint_matrix, mass_matrix};
 use crate::mechanism::{At, ContactEvent, ContactMode, System, rows_in_force};
 
-/// A force, or an acceleration, below this part of the largest under any combination is zero.
-const NOTHING: f64 = 1e-10;
 /// A force at its limit is so to the rounding of its instant; one that is further below it, as a part of it, is held by less.
 const RELEASED: f64 = 1e-6;
-/// Accelerations that differ by less than this part of the largest are the same motion.
-const ALIKE: f64 = 1e-8;
-/// What begins to slide has its direction until it is so many times faster than what it slides with at first, which is rounding.
-const BELOW: f64 = 1e3;
-/// The part of a step in which friction does what is lost in the rounding of a rate.
-const GRAIN: f64 = 1e-10;
 /// What slides more slowly than this part of the terms of its rate, and could be held by this part of its friction of sliding, stops.
 const SLOW: f64 = 1e-7;
 const ENOUGH: f64 = 0.95;
@@ -54,7 +46,7 @@ pub(crate) enum Change<'a> {
 
 impl<'a> Change<'a> {
     /// How the sides of contacts were placed and moved before a jump.
-    fn jumped_from(self) -> Option<&'a [Kinematics]> {
+    pub(super) fn jumped_from(self) -> Option<&'a [Kinematics]> {
         match self {
             Change::Jump(before) | Change::ByHand(before, _) => Some(before),
             _ => None,
@@ -68,47 +60,6 @@ impl<'a> Change<'a> {
             _ => None,
         }
     }
-}
-
-/// What all combinations share.
-#[derive(Clone, Copy)]
-struct Shared<'a> {
-    known: &'a [Known],
-    /// J M⁻¹ Jᵀ of each row by itself.
-    compliance: &'a [f64],
-    /// Where a motion begins, what puts the discontinuities on their sides under a combination.
-    begins: Option<PutOnSides>,
-}
-
-/// What is tried under one combination.
-#[derive(Clone)]
-struct Trial {
-    modes: Vec<ContactMode>,
-    /// Of each contact what must not be negative, with the size beside which it is judged.
-    signs: Vec<Vec<Sign>>,
-    accelerations: Vec<f64>,
-    /// What is held, with the directions in which it slides in space.
-    memory: Vec<f64>,
-}
-
-/// A number that is not negative where a combination is the motion's.
-#[derive(Clone, Copy)]
-struct Sign {
-    kind: Kind,
-    value: f64,
-    /// The sum of the terms beside which it is rounding.
-    terms: f64,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    /// N J M⁻¹ Jᵀ, what the force does to g''; or g''.
-    Pressed,
-    Opens,
-    /// (L₀² − T²)/(L₀² + T²).
-    Holds,
-    /// ±s'.
-    Slides,
 }
 
 /// The phase in which the contacts agree with the forces at a state; it is in force afterwards.
@@ -308,22 +259,6 @@ pub(crate) fn is_released(system: &mut dyn System, moment: &Moment<'_>, contact:
     Ok(true)
 }
 
-/// Whether two of some trials make the same accelerations.
-fn alike(trials: &[Trial]) -> impl Fn(&Trial, &Trial) -> bool {
-    let scale = trials.iter().flat_map(|trial| &trial.accelerations).fold(0.0_f64, |most, a| most.max(a.abs()));
-    move |one, other| one.accelerations.iter().zip(&other.accelerations).all(|(a, b)| (a - b).abs() <= ALIKE * scale)
-}
-
-impl Trial {
-    /// Whether all that it does otherwise than another is to slide where the other one sticks.
-    fn slides_where_sticks(&self, other: &Trial, known: &[Known]) -> bool {
-        let instead = |((own, other), known): ((&ContactMode, &ContactMode), &Known)| {
-            own == other || known.rolls && own.sliding() != 0.0 && *other == ContactMode::Sticks
-        };
-        self.modes.iter().zip(&other.modes).zip(known).all(instead)
-    }
-}
-
 /// Of several combinations in which all moves alike the one that agrees with the forces a moment later, too: how contacts share what holds them
 /// together is not determined, but some shares end at once.  Of several that do and then move otherwise one that sticks where others slide; the first
 /// where no moment tells.
@@ -368,329 +303,4 @@ fn lasting<'a>(
         }
     }
     alike[0]
-}
-
-/// What is known of a contact at an instant.
-struct Known {
-    /// What it may do from here on; what it does now first.
-    options: Vec<ContactMode>,
-    /// Whether its gap is closed and stays so unless it is pulled open.
-    touches: bool,
-    /// Whether its sides do not slide on each other now.
-    rolls: bool,
-    /// The rate below which it has no direction of sliding where it begins to.
-    least: f64,
-}
-
-fn known(system: &mut dyn System, situation: &Situation, (k, change): (usize, Change<'_>), at: (f64, &[f64])) -> Known {
-    let contact = system.contacts().all[k].clone();
-    let present = situation.modes[k];
-    let happened = match change {
-        Change::Event { contact, what } if contact == k => Some(what),
-        _ => None,
-    };
-    let struck = match change {
-        Change::Struck(strike) => strike.after(k),
-        _ => None,
-    };
-    let Kinematics { gap, gap_rate, sliding } = situation.kinematics[k];
-    let [gap_is_still, sliding_is_still] = situation.still[k];
-    let jumped_from = change.jumped_from().map(|before| before[k]);
-    // What approaches where it is closed lands by its event.
-    let rests = situation.closed[k] && gap_is_still;
-    let touches = contact.normal.is_none()
-        || match (change, struck) {
-            (_, Some(after)) => after.rests,
-            (Change::Start(_), _) => present.touches() || rests,
-            _ if jumped_from.is_some_and(|before| (before.gap, before.gap_rate) != (gap, gap_rate)) => rests,
-            (Change::Struck(_), None) => present.touches() || rests,
-            _ if happened == Some(ContactEvent::Lands) => situation.closed[k] && (gap_is_still || gap_rate < 0.0),
-            _ => present.touches(),
-        };
-    let rolls = match (happened, change, struck) {
-        (Some(ContactEvent::Stops | ContactEvent::Slips), ..) => true,
-        (.., Some(after)) => after.rolls,
-        (_, Change::Struck(_), None) => sliding_is_still,
-        _ if jumped_from.is_some_and(|before| before.sliding != sliding) => sliding_is_still,
-        _ => situation.held[k] || sliding_is_still,
-    };
-    let mut options = Vec::new();
-    if touches && happened != Some(ContactEvent::Lifts) {
-        match happened {
-            _ if contact.tangent.is_none() => options.push(ContactMode::Closed),
-            Some(ContactEvent::Slips) if contact.direction.is_some() => options.push(ContactMode::Slides),
-            Some(ContactEvent::Slips) => {
-                let gives_way = direction_of_force(system, k, at);
-                // The other direction only shows what the friction does to the sliding.
-                options.extend([gives_way, opposite(gives_way)]);
-            }
-            _ if contact.direction.is_some() && rolls => options.extend([ContactMode::Sticks, ContactMode::Slides]),
-            _ if contact.direction.is_some() => options.push(ContactMode::Slides),
-            _ if rolls => {
-                options.extend([ContactMode::Sticks, ContactMode::SlipsForwards, ContactMode::SlipsBackwards]);
-            }
-            _ if sliding[0] < 0.0 => options.push(ContactMode::SlipsBackwards),
-            _ => options.push(ContactMode::SlipsForwards),
-        }
-    }
-    if contact.normal.is_some() {
-        options.push(ContactMode::Open);
-    }
-    // What it does now is tried first; what was open, or nothing is known of, is closed if it may be.
-    let stops = matches!(change, Change::Event { what: ContactEvent::Stops, .. });
-    let kept = |mode: &ContactMode| {
-        let rests = stops && rolls && *mode == ContactMode::Slides;
-        *mode == present && present.touches() && !matches!(change, Change::Start(_)) && !rests
-    };
-    if let Some(place) = options.iter().position(kept) {
-        options[..=place].rotate_right(1);
-    }
-    let least = situation.least[k].max(BELOW * sliding[0].hypot(sliding[1]));
-    Known { options, touches, rolls, least }
-}
-
-/// With what friction does to a sliding rate in the shortest part of a step, before which what begins to slide in space has the direction in which it
-/// begins: at its limit it hardly moves at first, and turns as fast as it is slow.
-fn with_grain(
-    system: &dyn System,
-    &Moment { t, y, step, .. }: &Moment<'_>,
-    compliance: &[f64],
-    mut known: Vec<Known>,
-) -> Vec<Known> {
-    let (contacts, n) = (&system.contacts().all, system.len());
-    if step == 0.0 || !contacts.iter().any(|contact| contact.direction.is_some()) {
-        return known;
-    }
-    let (mut a, mut lambda) = (vec![0.0; n], vec![0.0; system.description().rows.len()]);
-    let at = At::packed(t, y, n);
-    if system.accelerations_and_multipliers(at, &mut a, &mut lambda).is_err() {
-        return known;
-    }
-    let mut pairs = vec![0.0; 2 * system.description().events.len()];
-    system.events(at.accelerated(&a).constrained(&lambda), &mut pairs);
-    for (known, contact) in known.iter_mut().zip(contacts.iter()).filter(|(_, contact)| contact.direction.is_some()) {
-        let Some(event) = contact.event(ContactEvent::Slips) else { continue };
-        let held: f64 = contact.tangents().map(|row| lambda[row as usize].powi(2)).sum();
-        let limit = (pairs[2 * event] + held).max(0.0).sqrt();
-        let most = contact.tangents().map(|row| compliance[row as usize]).fold(0.0, f64::max);
-        known.least = known.least.max(GRAIN * step * limit * most);
-    }
-    known
-}
-
-/// The direction in which a contact that sticks with all its force gives way: against the force.
-fn direction_of_force(system: &mut dyn System, contact: usize, (t, y): (f64, &[f64])) -> ContactMode {
-    let n = system.len();
-    let (mut a, mut lambda) = (vec![0.0; n], vec![0.0; system.description().rows.len()]);
-    let row = system.contacts().all[contact].tangent.unwrap_or(0) as usize;
-    let solved = system.accelerations_and_multipliers(At::packed(t, y, n), &mut a, &mut lambda);
-    if solved.is_ok() && lambda[row] > 0.0 { ContactMode::SlipsBackwards } else { ContactMode::SlipsForwards }
-}
-
-fn opposite(mode: ContactMode) -> ContactMode {
-    match mode {
-        ContactMode::SlipsForwards => ContactMode::SlipsBackwards,
-        _ => ContactMode::SlipsForwards,
-    }
-}
-
-/// All combinations of what each may do, those first that differ from the present one in fewest contacts that touch.
-///
-/// Where something `stops` in space, sticking is no change of what slides there without a rate: it would be held by others only.
-fn in_order(present: Option<&[ContactMode]>, known: &[Known], stops: bool) -> Vec<Vec<ContactMode>> {
-    let mut all = combinations(known.iter().map(|known| known.options.as_slice()));
-    if let Some(present) = present {
-        let rests = |mode: &ContactMode, before: &ContactMode| {
-            stops && *before == ContactMode::Slides && *mode == ContactMode::Sticks
-        };
-        let changes =
-            |(mode, before): &(&ContactMode, &ContactMode)| before.touches() && mode != before && !rests(mode, before);
-        all.sort_by_key(|modes| modes.iter().zip(present).filter(changes).count());
-    }
-    all
-}
-
-/// Puts a combination in force, with the sides of discontinuities that it has where a motion begins.
-fn enter(system: &mut dyn System, (t, y): (f64, &[f64]), shared: Shared<'_>, modes: &[ContactMode]) {
-    let phase = system.contacts().phase(modes);
-    system.set_phase(phase);
-    if let Some(put_on_sides) = shared.begins {
-        put_on_sides(system, t, y);
-    }
-}
-
-/// Forces and accelerations under a combination, with all directions in which contacts of space may begin to slide; none where there are none.
-fn tried(system: &mut dyn System, at: (f64, &[f64]), shared: Shared<'_>, modes: Vec<ContactMode>) -> Vec<Trial> {
-    let begins = |k: &usize| modes[*k] == ContactMode::Slides && shared.known[*k].rolls;
-    let beginning: Vec<usize> = (0..modes.len()).filter(begins).collect();
-    let memory = system.memory().to_vec();
-    let guesses = match beginning.as_slice() {
-        [] => Vec::new(),
-        _ => against_forces(system, at, &modes, &beginning),
-    };
-    enter(system, at, shared, &modes);
-    let aimed = |system: &mut dyn System, directions: &[[f64; 2]]| {
-        for (k, direction) in beginning.iter().zip(directions) {
-            hold_direction(system, *k, *direction, shared.known[*k].least);
-        }
-    };
-    let tangents: Vec<Option<usize>> =
-        system.contacts().all.iter().map(|contact| contact.tangent.map(|row| row as usize)).collect();
-    let found = consistent(&guesses, &mut |directions| {
-        aimed(system, directions);
-        let Motion { second, .. } = Motion::of(system, at)?;
-        beginning.iter().map(|k| tangents[*k].map(|row| [second[row], second[row + 1]])).collect()
-    });
-    let mut trials = Vec::new();
-    for directions in found {
-        aimed(system, &directions);
-        trials.extend(trial_of(system, at, shared, &modes));
-    }
-    system.set_memory(&memory);
-    trials
-}
-
-/// The directions against the forces with which contacts would stick.
-fn against_forces(
-    system: &mut dyn System,
-    (t, y): (f64, &[f64]),
-    modes: &[ContactMode],
-    contacts: &[usize],
-) -> Vec<[f64; 2]> {
-    let mut stuck = modes.to_vec();
-    contacts.iter().for_each(|k| stuck[*k] = ContactMode::Sticks);
-    let phase = system.contacts().phase(&stuck);
-    system.set_phase(phase);
-    let (mut a, mut lambda) = (vec![0.0; system.len()], vec![0.0; system.description().rows.len()]);
-    let solved = system.accelerations_and_multipliers(At::packed(t, y, system.len()), &mut a, &mut lambda).is_ok();
-    let all = &system.contacts().all;
-    let against = |k: &usize| {
-        let force = all[*k].tangent.map_or([0.0; 2], |row| [-lambda[row as usize], -lambda[row as usize + 1]]);
-        if solved && force != [0.0; 2] { along(force) } else { [1.0, 0.0] }
-    };
-    contacts.iter().map(against).collect()
-}
-
-/// Accelerations, multipliers, and c'' of all rows with the sums of its absolute terms.
-struct Motion {
-    a: Vec<f64>,
-    lambda: Vec<f64>,
-    second: Vec<f64>,
-    terms: Vec<f64>,
-}
-
-impl Motion {
-    /// In the phase in force; `None` where there is none.
-    fn of(system: &dyn System, (t, y): (f64, &[f64])) -> Option<Motion> {
-        let (n, rows) = (system.len(), system.description().rows.len());
-        let at = At::packed(t, y, n);
-        let (mut a, mut lambda) = (vec![0.0; n], vec![0.0; rows]);
-        system.accelerations_and_multipliers(at, &mut a, &mut lambda).ok()?;
-        let mut second = vec![0.0; rows];
-        system.constraint_bias(at, &mut second);
-        let mut values = vec![0.0; system.description().constraint_pattern.len()];
-        system.constraint_matrix(at, &mut values);
-        let mut terms: Vec<f64> = second.iter().map(|bias| bias.abs()).collect();
-        for ((row, column), value) in system.description().constraint_pattern.iter().zip(values) {
-            let term = value * a[*column as usize];
-            second[*row as usize] += term;
-            terms[*row as usize] += term.abs();
-        }
-        Some(Motion { a, lambda, second, terms })
-    }
-}
-
-/// Forces and accelerations in the combination in force, with the directions that are held; `None` where there are none.
-fn trial_of(
-    system: &dyn System,
-    (t, y): (f64, &[f64]),
-    Shared { known, compliance, .. }: Shared<'_>,
-    modes: &[ContactMode],
-) -> Option<Trial> {
-    let Motion { a, lambda, second, terms } = Motion::of(system, (t, y))?;
-    let contacts = &system.contacts().all;
-    let at = At::packed(t, y, system.len());
-    let sign = |kind: Kind, row: usize, value: f64| Sign { kind, value, terms: terms[row] };
-    let margins = margins(system, at.accelerated(&a).constrained(&lambda));
-    let mut signs = Vec::new();
-    for (k, (contact, mode)) in contacts.iter().zip(modes).enumerate() {
-        let mut own = Vec::new();
-        if let Some(row) = contact.normal {
-            match mode {
-                ContactMode::Open if known[k].touches => {
-                    own.push(sign(Kind::Opens, row as usize, second[row as usize]));
-                }
-                ContactMode::Open => {}
-                _ => own.push(sign(Kind::Pressed, row as usize, compliance[row as usize] * lambda[row as usize])),
-            }
-        }
-        if let Some(row) = contact.tangent {
-            match mode {
-                ContactMode::Sticks => own.push(sign(Kind::Holds, row as usize, margins[k])),
-                ContactMode::SlipsForwards | ContactMode::SlipsBackwards => {
-                    if known[k].rolls {
-                        own.push(sign(Kind::Slides, row as usize, mode.sliding() * second[row as usize]));
-                    }
-                }
-                ContactMode::Slides if known[k].rolls => {
-                    let (row, [d1, d2, _]) = (row as usize, held_direction(system, k));
-                    let value = d1 * second[row] + d2 * second[row + 1];
-                    own.push(Sign { kind: Kind::Slides, value, terms: terms[row].max(terms[row + 1]) });
-                }
-                ContactMode::Open | ContactMode::Closed | ContactMode::Slides => {}
-            }
-        }
-        signs.push(own);
-    }
-    Some(Trial { modes: modes.to_vec(), signs, accelerations: a, memory: system.memory().to_vec() })
-}
-
-/// J M⁻¹ Jᵀ of each row by itself.
-fn compliance(system: &dyn System, at: At<'_>) -> Vec<f64> {
-    let rows: Vec<usize> = (0..system.description().rows.len()).collect();
-    let matrix = constraint_matrix(system, at, &rows);
-    let response = solve_least(&mass_matrix(system, at), &matrix.transpose());
-    rows.iter()
-        .map(|row| response.as_ref().map_or(1.0, |x| matrix.row(*row).dot(&x.column(*row).transpose())))
-        .collect()
-}
-
-/// Of each contact that rubs (L₀² − T²)/(L₀² + T²): 1 with no force, 0 at the limit; 0 where both are 0.
-fn margins(system: &dyn System, at: At<'_>) -> Vec<f64> {
-    let mut pairs = vec![0.0; 2 * system.description().events.len()];
-    system.events(at, &mut pairs);
-    let contacts = system.contacts().all.iter();
-    contacts
-        .map(|contact| match contact.event(ContactEvent::Slips) {
-            Some(event) => {
-                let difference = pairs[2 * event];
-                let squares = contact.tangents().map(|row| at.lambda[row as usize].powi(2));
-                let sum = difference + 2.0 * squares.sum::<f64>();
-                if sum > 0.0 { difference / sum } else { 0.0 }
-            }
-            None => 0.0,
-        })
-        .collect()
-}
-
-/// Whether forces and accelerations under a combination agree with it.  A contact that reached a limit leaves it, by however little.
-fn agrees(trial: &Trial, all: &[Trial], forced: Option<(usize, Kind)>) -> bool {
-    trial.signs.iter().enumerate().all(|(k, signs)| {
-        signs.iter().all(|sign| {
-            let of_kind = |other: &Trial| {
-                let own = other.signs[k].iter().filter(|other| other.kind == sign.kind);
-                own.fold(0.0_f64, |most, other| most.max(other.value.abs()).max(other.terms))
-            };
-            let scale = all.iter().map(of_kind).fold(0.0, f64::max);
-            let rounding = NOTHING * scale;
-            let leaves = forced == Some((k, sign.kind));
-            match sign.kind {
-                Kind::Holds => sign.value >= -NOTHING,
-                // Its force falls through 0: it opens, by however little.
-                Kind::Opens if leaves => true,
-                // What begins to slide may be moved by nothing yet: at its limit, or where others hold it.
-                Kind::Pressed | Kind::Opens | Kind::Slides => sign.value >= -rounding,
-            }
-        })
-    })
 }
