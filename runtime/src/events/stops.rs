@@ -7,7 +7,7 @@ use super::sample::Sampler;
 use super::sides::SAME;
 use super::signals::{Break, breaks};
 use crate::cause::{Cause, TooFast};
-use crate::mechanism::{System, Watched};
+use crate::mechanism::{Description, System, Watched};
 
 /// A time at which the arguments of some switches vanish or change their signs.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,6 +63,7 @@ impl Stops {
         y: &[f64],
         early: bool,
     ) -> Result<Self, Box<Cause>> {
+        let early = early && !inputs_move(system.description());
         let mut stops = Stops { list: Vec::new(), horizon: from, until, stretch: until - from, early };
         stops.extend(system, samplers, y)?;
         Ok(stops)
@@ -123,6 +124,12 @@ impl Stops {
         self.horizon = end;
         Ok(())
     }
+}
+
+/// Whether inputs may move something, by constraints or by their rates: what turns sharply then kicks at its own instant, and not beside it.
+fn inputs_move(description: &Description) -> bool {
+    let by_rates = description.input_pattern.iter().any(|(_, column)| column % 3 != 0);
+    by_rates || !description.inputs.is_empty() && !description.rows.is_empty()
 }
 
 /// Lets a stop between the ends of a run come a rounding early: never late, for what is reported at its instant comes after it.

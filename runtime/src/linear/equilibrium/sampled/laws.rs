@@ -63,7 +63,15 @@ impl Search {
                 && matches!(sampling.trigger(*event), Trigger::Tick(_) | Trigger::Set(_))
         };
         let mut slopes = vec![0.0; 2 * description.events.len()];
-        for event in (0..description.events.len()).filter(conditional) {
+        // What only counts changes nothing that the loop reads.
+        let matters = |event: &usize| {
+            let all = self.sets_of(*event);
+            all.iter().flatten().any(|law| match law.target {
+                Target::Memory(j) => self.read.contains(&(j as usize)),
+                Target::State(_) => true,
+            })
+        };
+        for event in (0..description.events.len()).filter(conditional).filter(matters) {
             let name = || description.events[event].name.to_string();
             for j in set.iter().copied() {
                 let along = Along { memory: Some(j), ..Along::default() };
