@@ -10,8 +10,9 @@ use crate::mechanism::{Singular, System};
 const WEAK: f64 = 1e-3;
 /// A row that keeps less than this of its largest norm, and is soon left out, is asked for its entries.
 const FADED: f64 = 0.01;
-/// An entry that was never larger than this part of the largest of its row is what rounding makes of 0.
-const ROUNDED: f64 = 1e-12;
+/// An entry that was never larger than this part of the largest of its row may be what errors of the motion make of 0, and does not keep the row from
+/// vanishing.
+const ERROR: f64 = 1e-4;
 /// With more rows than this ordinary pivots are smaller: a straight chain of m rods has 1.1/m.
 const MANY: f64 = 8.0;
 /// Friction that leaves this part of a pivot, or less, lets the reaction grow without bound.
@@ -62,7 +63,7 @@ impl KktSolver {
             return kept;
         }
         let known = || entries.iter().skip(self.active[k] * self.n).take(self.n);
-        let nothing = ROUNDED * known().fold(0.0_f64, |most, entry| most.max(*entry));
+        let nothing = ERROR * known().fold(0.0_f64, |most, entry| most.max(*entry));
         let of_entries = self.rows[k * self.n..][..self.n].iter().zip(known()).filter(|(_, most)| **most > nothing);
         of_entries.map(|(entry, largest)| (entry.abs() / largest).min(1.0)).fold(kept, f64::max)
     }
