@@ -41,7 +41,7 @@ super::entries! {
         "a vector has two or three components, this has {found}" "" ""
         "`[a, b]` in the plane, `[a, b, c]` in space.";
     E114 unknown_component(name) "an unknown component"
-        "`.{name}` is not a component" "" "components are `.x`, `.y` and `.z`"
+        "`.{name}` is not a component" "" "components are `.x`, `.y` and `.z`, and in `reaction(...)` of a contact `.friction`"
         "After a point, body, frame or vector, `.x .y .z` are its components or unit vectors.";
     E115 equation_misplaced(help) "an equals sign out of place"
         "`=` may stand only once, between the two sides of an equation" "" "{help}"
