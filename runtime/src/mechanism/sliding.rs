@@ -4,11 +4,14 @@
 //! a = (1 − w) a₋ + w a₊, where (1 − w) ė₋ + w ė₊ = 0 (Filippov, Differential Equations with Discontinuous Righthand Sides, 1988, §4).
 //! On several surfaces at once a = a₋ + Σ w_k (a_k − a₋), where a_k is that above surface k alone; the rates make a linear system for w.
 //! Where a mode stands linearly in the forces, this is the force that keeps e = 0, between its two limits.
+//!
+//! An argument of places alone has a rate that no side changes at once: ë takes the place of ė, and the motion stays where e = 0 and ė = 0 (sliding of
+//! second order; Levant, International Journal of Control 58 (1993) 1247), as a spring that is preloaded towards its middle holds there.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::dense::constraint_matrix;
-use super::{At, Enforcement, Singular, SwitchKind, System};
+use super::{Along, At, Enforcement, Function, Singular, SwitchKind, System};
 use crate::matrix::{rank, solve_least};
 
 /// The mode of a switch that slides: what does not know of sliding makes no number of it.
@@ -29,8 +32,32 @@ struct Sides {
 struct Side {
     a: Vec<f64>,
     lambda: Vec<f64>,
-    /// Rates of the arguments of the switches that slide.
+    /// What it makes of the arguments of the switches that slide: their rates, or the rates of these where they are of places alone.
     rates: Vec<f64>,
+}
+
+/// The switches that slide, and which of them have arguments of places alone.
+struct Surfaces<'a, S: ?Sized> {
+    system: &'a S,
+    /// Without sliding.
+    free: &'a dyn System,
+    of_places: Vec<bool>,
+}
+
+impl<S: System + ?Sized> Surfaces<'_, S> {
+    /// What accelerations make of the arguments.
+    fn rates(&self, at: At<'_>, a: &[f64], lambda: &[f64]) -> Vec<f64> {
+        let at = at.accelerated(a).constrained(lambda);
+        let mut pairs = vec![0.0; 2 * self.system.description().switches.len()];
+        self.free.switches(at, &mut pairs);
+        let mut seconds = vec![f64::NAN; pairs.len()];
+        if self.of_places.contains(&true) {
+            let along = Along { t: 1.0, q: at.v, v: a, ..Along::default() };
+            self.free.slopes(Function::Switches, at, &along, &mut seconds);
+        }
+        let of = |(switch, of_places): (&usize, &bool)| if *of_places { &seconds } else { &pairs }[2 * switch + 1];
+        self.system.sliding().iter().zip(&self.of_places).map(of).collect()
+    }
 }
 
 /// The mode of a switch whose argument is below its surface by 1 − w and above it by w.

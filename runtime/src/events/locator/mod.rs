@@ -424,8 +424,6 @@ impl EventLocator {
                     self.beyond[switch] = Some(self.scanner.sides[crossing.function]);
                 } else {
                     self.surface[switch] = true;
-                    self.sampler.at_state(system, t, y);
-                    self.scanner.zero[crossing.function] = self.sampler.value(crossing.function).abs();
                 }
                 continue;
             }
@@ -645,13 +643,15 @@ impl EventLocator {
         }
         // What is met again and again at one instant stays there, if it can.
         let stays = self.restarts == RESTARTS + 1 && modes::slides_where_on(system, &mut self.sampler, (t, y), &on);
+        self.sampler.at_state(system, t, y);
         for (switch, on) in on.into_iter().enumerate() {
             let function = self.sampler.function_of(switch);
             let slides = system.sliding().contains(&switch);
             self.scanner.sides[function] = if slides { 1.0 } else { modes::side(system, switch) };
             self.scanner.fresh[function] |= on;
-            if slides {
-                self.scanner.zero[function] = 0.0;
+            if on || slides {
+                // What is on its surface begins there, on whichever side rounding has put it.
+                self.scanner.zero[function] = if slides { 0.0 } else { self.sampler.value(function).abs() };
             }
             if on && self.restarts > RESTARTS && !stays {
                 return Err(modes::chattering(system, (t, y), switch).into());
