@@ -533,7 +533,7 @@ impl fmt::Display for Cause {
             Cause::Sliding { switch } => write!(
                 f,
                 "sliding: both sides of `{switch}` = 0 push back to it, and the motion stays there, which dop853, dopri5, rk4, midpoint and \
-                 euler know; dry friction as `friction: {{rub: {{rate: {switch}, limit: F, …}}}}` goes with all methods"
+                 euler know; where that is dry friction, `friction: {{rub: {{rate: …, limit: F, …}}}}` goes with all methods"
             ),
             Cause::DirectionLost { coordinate } => write!(
                 f,

@@ -244,3 +244,14 @@ fn modes_that_are_not_numbers_slide() {
     system.set_modes(&[1.0]);
     assert!(system.sliding().is_empty());
 }
+
+#[test]
+fn single_evaluations_are_on_the_side_where_the_state_is() {
+    let dry = Coulomb::default();
+    // −k x − F sign x', with sign 0 = 0.
+    for (x, v, a) in [(1.0, -1.0, 0.0), (1.0, 1.0, -2.0), (-0.5, -1.0, 1.5), (0.5, 0.0, -0.5)] {
+        let found = dry.accelerations_at(0.0, &[x], &[v]).expect("a mass")[0];
+        assert_eq!(found, a, "{x} {v}");
+        assert_eq!((dry.bias_at(0.0, &[x], &[v])[0], dry.residual_at(0.0, &[x], &[v], &[a])[0]), (-a, 0.0), "{x} {v}");
+    }
+}

@@ -12,6 +12,7 @@ use dalembert_symbolic::model::{Model, load_in};
 use dalembert_symbolic::print::fnv1a;
 use dalembert_symbolic::{diagnose, file};
 
+use super::plotted::parts;
 use super::{Context, Entry, Problem};
 use crate::mechanism::{Interpreted, System};
 
@@ -280,8 +281,7 @@ fn each_once<'a>(option: &str, texts: impl Iterator<Item = &'a str>) -> Result<V
 /// What an option lists: it may be given several times, and each time name several with commas between them.
 pub fn listed(options: &ArgMatches, option: &str) -> Vec<String> {
     let texts = options.get_many::<String>(option).into_iter().flatten();
-    let parts = texts.flat_map(|text| text.split(',')).map(str::trim).filter(|part| !part.is_empty());
-    parts.map(ToOwned::to_owned).collect()
+    texts.flat_map(|text| parts(text)).map(ToOwned::to_owned).collect()
 }
 
 /// The same of `NAME=VALUE`, each name once.

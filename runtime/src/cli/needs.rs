@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 
 use super::json::{self, number, object};
 use super::load::{Loaded, folder, pairs};
+use super::plotted::parts;
 use super::set_up::{Reader, like_output, parameter_index};
 use super::{Context, Problem, outputs, value_files};
 use crate::needs::{Deviation, ModelReduction, Need, Needs, NeedsError, NeedsRequest, Proposal, Verdict};
@@ -261,7 +262,7 @@ type Named = (Vec<String>, Vec<(String, f64)>);
 fn named(loaded: &mut Loaded, names: &str) -> Result<Named, Problem> {
     let mut reader = Reader::default();
     let (mut outputs, mut absolute) = (Vec::new(), Vec::new());
-    for name in names.split(',').map(str::trim).filter(|name| !name.is_empty()) {
+    for name in parts(names) {
         match name.split_once('=') {
             None => outputs.push(name.to_owned()),
             Some((name, amount)) => {

@@ -8,6 +8,7 @@ use serde_json::{Value as Json, json};
 
 use super::json::{number, object};
 use super::load::{Loaded, listed, listed_pairs};
+use super::plotted::parts;
 use super::set_up::{Reader, for_search, motion_index, parameter_index};
 use super::sweep::points;
 use super::{Context, Problem, families, outputs, stability_maps, value_files};
@@ -91,7 +92,7 @@ fn varied(search: OrbitSearch, loaded: &Loaded, options: &ArgMatches, text: &str
 /// The stability over the two parameters that `--map` names: `A=FROM..TO:COUNT,B=FROM..TO:COUNT`, or lists.
 fn mapped(search: OrbitSearch, loaded: &Loaded, text: &str) -> Result<StabilityMap, Problem> {
     let mut axes: Vec<(&str, String)> = Vec::new();
-    for piece in text.split(',') {
+    for piece in parts(text) {
         match (piece.split_once('='), axes.last_mut()) {
             (Some((name, range)), _) => axes.push((name.trim(), range.to_owned())),
             (None, Some((_, range))) => *range += &format!(",{piece}"),

@@ -185,13 +185,14 @@ pub fn listed(description: &Description, text: &str) -> Result<Vec<String>, Prob
     Ok(names.concat())
 }
 
-/// What stands between commas outside of brackets.
+/// What stands between commas outside of brackets, `x[1,2]` being one name.
 pub fn parts(text: &str) -> impl Iterator<Item = &str> {
     let mut depth = 0;
-    text.split(move |c: char| {
+    let pieces = text.split(move |c: char| {
         depth += i32::from(c == '[') - i32::from(c == ']');
         c == ',' && depth == 0
-    })
+    });
+    pieces.map(str::trim).filter(|piece| !piece.is_empty())
 }
 
 /// The columns of a name: itself, or the components of a vector output.

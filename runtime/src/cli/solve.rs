@@ -9,6 +9,7 @@ use serde_json::{Value as Json, json};
 
 use super::json::{number, object};
 use super::load::{Loaded, listed_pairs};
+use super::plotted::parts;
 use super::set_up::{Place, Reader, for_search, like_output, motion_index, parameter_index, place_in_state};
 use super::{Context, Problem, outputs, value_files};
 use crate::error::{Error, NoSlopes, NotFound};
@@ -108,7 +109,7 @@ fn record(path: &str, columns: Option<&str>) -> Result<Record, Problem> {
     let header: Vec<String> = reader.headers().map_err(|e| unread(&e))?.iter().map(ToOwned::to_owned).collect();
     let named: Vec<(String, String)> = match columns {
         Some(text) => {
-            let pairs = text.split(',').map(|pair| pair.split_once('=').unwrap_or((pair, pair)));
+            let pairs = parts(text).map(|pair| pair.split_once('=').unwrap_or((pair, pair)));
             pairs.map(|(name, column)| (name.trim().to_owned(), column.trim().to_owned())).collect()
         }
         None => header.iter().map(|name| (name.clone(), name.clone())).collect(),

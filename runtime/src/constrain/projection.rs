@@ -345,11 +345,12 @@ impl Projection {
         if !self.corrects {
             return None;
         }
-        // Where all terms of a row are zero but for rounding, that of the coordinates tells how far off it may be.
+        // Where all terms of a row are zero but for rounding, that of the coordinates and of the time tells how far off it may be.
         let is_rounding = |row: usize, c: f64| {
             let sizes = DVector::from_vec(sizes_alike(system.description(), place.q));
-            let moved = constraint_matrix(system, place, &[row]).abs() * sizes;
-            c.abs() <= dense::ROUNDING * moved[0]
+            let ways = DVector::from_iterator(place.v.len(), place.v.iter().map(|v| (v * place.t).abs()));
+            let moved = constraint_matrix(system, place, &[row]).abs() * (dense::ROUNDING * sizes + ROUNDING * ways);
+            c.abs() <= moved[0]
         };
         let mut active = rows_in_force(system);
         active.find_map(|row| {

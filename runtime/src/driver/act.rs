@@ -4,12 +4,12 @@ use super::phase::Done;
 use super::set::Assigned;
 use super::{Integration, StopReason};
 use crate::cause::Cause;
-use crate::events::{EventLocator, Fired};
+use crate::events::{EventLocator, Fired, RESTARTS};
 use crate::mechanism::{Action, System, Trigger};
 use crate::run::Recorder;
 
-/// More firings than this at one instant are a cycle.
-const AT_AN_INSTANT: u32 = 50;
+/// More firings than this at one instant are a cycle: more than it takes to see that swings that come ever faster about a surface end on it.
+const AT_AN_INSTANT: u32 = 2 * RESTARTS;
 /// Times are one instant that differ by less than this part of themselves and of the last step.
 const INSTANT: f64 = 1e-12;
 

@@ -108,7 +108,7 @@ impl Integration {
         if projection.passed(system, place, usual) {
             recorder.warn(Warning::SingularPassed { t: now });
         }
-        match projection.lost(system, place, 0.0) {
+        match projection.lost(system, At::packed(now, y, system.len()), 0.0) {
             Some((row, residual)) => {
                 let constraint = system.description().rows[row].name.to_string();
                 Err(Cause::ConstraintLost { constraint, residual }.into())

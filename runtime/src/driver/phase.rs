@@ -108,7 +108,7 @@ impl Integration {
         let now = self.clock.now();
         let y = self.stepper.start().y;
         projection.observe(system, now, y);
-        if let Some((row, residual)) = projection.lost(system, At::place(now, &y[..system.len()]), late) {
+        if let Some((row, residual)) = projection.lost(system, At::packed(now, y, system.len()), late) {
             let constraint = system.description().rows[row].name.to_string();
             return Err(Cause::ConstraintLost { constraint, residual }.into());
         }

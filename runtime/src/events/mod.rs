@@ -36,7 +36,7 @@ mod ticks;
 pub(crate) use features::{excludes_feature, ratio as calm_ratio};
 pub use impulse::Impulse;
 pub(crate) use impulse::gained;
-pub(crate) use locator::{EventLocator, Fired, Interruption, Switched};
+pub(crate) use locator::{EventLocator, Fired, Interruption, RESTARTS, Switched};
 pub(crate) use modes::OwnedSegment;
 pub(crate) use modes::mode as switch_mode;
 pub(crate) use modes::text as switch_text;

@@ -6,7 +6,7 @@ use super::combinations::{
 use super::sample::Sampler;
 use crate::cause::Cause;
 use crate::integrate::Segment;
-use crate::mechanism::sliding::{SLIDES, fractions};
+use crate::mechanism::sliding::{SLIDES, comes_to_rest, fractions, return_to_surfaces};
 use crate::mechanism::{At, SwitchKind, System};
 
 /// A step that is taken only to see where it leads, under the modes in force.
@@ -250,23 +250,49 @@ fn slide<S: System + ?Sized>(
     false
 }
 
-/// Lets what is `on` its surface slide there, between its sides; false where it cannot.
-pub(crate) fn slides_where_on<S: System + ?Sized>(
+/// Lets what is `on` its surface slide there, between its sides, if it can and comes to rest on it within so many `seconds`.
+pub(crate) fn stay_where_on<S: System + ?Sized>(
     system: &mut S,
     sampler: &mut Sampler,
     (t, y): (f64, &[f64]),
-    on: &[bool],
-) -> bool {
+    (on, seconds): (&[bool], f64),
+) {
     let before = system.modes().to_vec();
     sampler.at_state(system, t, y);
     let here: Vec<f64> = (0..on.len()).map(|switch| sampler.rate(switch)).collect();
     let from = Combination { modes: before.clone(), on: on.to_vec() };
     let all: Vec<usize> = (0..on.len()).filter(|switch| on[*switch]).collect();
-    let slides = slide(system, sampler, (t, y), (&from, &all), &Rates { of: &[here], leaving: &[] });
+    let rates = Rates { of: &[here], leaving: &[] };
+    // Of arguments whose rates are alike one holds all, and the others rest.
+    let alone = |switch: usize| {
+        let mut one = from.clone();
+        all.iter().filter(|other| **other != switch).for_each(|other| one.modes[*other] = at_rest(system, *other));
+        (one, vec![switch])
+    };
+    let starts: Vec<(Combination, Vec<usize>)> =
+        std::iter::once((from.clone(), all.clone())).chain(all.iter().map(|switch| alone(*switch))).collect();
+    let slides = starts.iter().any(|(from, sliding)| {
+        slide(system, sampler, (t, y), (from, sliding), &rates)
+            && comes_to_rest(system, t, y, seconds)
+            && holds_all(system, sampler, (t, y), (&all, &rates))
+    });
     if !slides {
         system.set_modes(&before);
     }
-    slides
+}
+
+/// Whether nothing that is on its surface moves once what slides is back on its own.
+fn holds_all<S: System + ?Sized>(
+    system: &S,
+    sampler: &mut Sampler,
+    (t, y): (f64, &[f64]),
+    (on, before): (&[usize], &Rates<'_>),
+) -> bool {
+    let mut back = y.to_vec();
+    return_to_surfaces(system, t, &mut back);
+    sampler.at_state(system, t, &back);
+    let slides = |switch: usize| system.modes()[switch].is_nan();
+    on.iter().all(|k| slides(*k) || sampler.rate(*k).abs() <= STANDS * scale(before.of, *k))
 }
 
 /// Whether what slides still slides between its sides a moment later.

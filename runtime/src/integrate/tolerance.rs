@@ -94,7 +94,9 @@ impl Tolerance {
             hidden: mechanism.coordinates.iter().map(|coordinate| coordinate.state().is_some()).collect(),
             largest: vec![0.0; start.len()],
         };
-        start.iter().enumerate().for_each(|(k, y)| tolerance.note_size(k, *y));
+        for (k, y) in start.iter().enumerate() {
+            tolerance.note_size(k, *y);
+        }
         tolerance.floors = (0..start.len()).map(|k| tolerance.floor(k)).collect();
         tolerance
     }
@@ -176,6 +178,7 @@ impl Tolerance {
 
     /// Takes note of a state on the motion.
     pub fn observe(&mut self, y: &[f64]) {
+        let mut grew = false;
         for (k, y) in y.iter().enumerate() {
             if *y < self.low[k] {
                 self.low[k] = *y;
@@ -184,14 +187,21 @@ impl Tolerance {
             } else {
                 continue;
             }
-            self.note_size(k, *y);
+            grew |= self.note_size(k, *y);
             self.floors[k] = self.floor(k);
+        }
+        if grew {
+            // What stands beside something that grew has the rounding of its rounding.
+            (0..y.len()).for_each(|k| self.floors[k] = self.floor(k));
         }
     }
 
-    fn note_size(&mut self, k: usize, y: f64) {
+    /// Whether nothing with its unit was as large so far.
+    fn note_size(&mut self, k: usize, y: f64) -> bool {
         let first = self.first_alike(k);
+        let grows = y.abs() > self.largest[first];
         self.largest[first] = larger(self.largest[first], y.abs());
+        grows
     }
 
     /// The first component of [q; q'] with the same unit.

@@ -25,6 +25,8 @@ const CERTAIN: f64 = 4.0;
 struct Sides {
     /// Without sliding.
     free: Box<dyn System>,
+    /// Of each switch that slides whether its argument is one of places alone.
+    of_places: Vec<bool>,
     below: Side,
     above: Vec<Side>,
 }
@@ -32,36 +34,12 @@ struct Sides {
 struct Side {
     a: Vec<f64>,
     lambda: Vec<f64>,
-    /// What it makes of the arguments of the switches that slide: their rates, or the rates of these where they are of places alone.
+    /// What it makes of the arguments of the switches that slide: ė, or ë of those of places alone.
     rates: Vec<f64>,
 }
 
-/// The switches that slide, and which of them have arguments of places alone.
-struct Surfaces<'a, S: ?Sized> {
-    system: &'a S,
-    /// Without sliding.
-    free: &'a dyn System,
-    of_places: Vec<bool>,
-}
-
-impl<S: System + ?Sized> Surfaces<'_, S> {
-    /// What accelerations make of the arguments.
-    fn rates(&self, at: At<'_>, a: &[f64], lambda: &[f64]) -> Vec<f64> {
-        let at = at.accelerated(a).constrained(lambda);
-        let mut pairs = vec![0.0; 2 * self.system.description().switches.len()];
-        self.free.switches(at, &mut pairs);
-        let mut seconds = vec![f64::NAN; pairs.len()];
-        if self.of_places.contains(&true) {
-            let along = Along { t: 1.0, q: at.v, v: a, ..Along::default() };
-            self.free.slopes(Function::Switches, at, &along, &mut seconds);
-        }
-        let of = |(switch, of_places): (&usize, &bool)| if *of_places { &seconds } else { &pairs }[2 * switch + 1];
-        self.system.sliding().iter().zip(&self.of_places).map(of).collect()
-    }
-}
-
 /// The mode of a switch whose argument is below its surface by 1 − w and above it by w.
-fn mode(kind: SwitchKind, w: f64) -> f64 {
+pub(crate) fn mode(kind: SwitchKind, w: f64) -> f64 {
     match kind {
         SwitchKind::Sign => 2.0 * w - 1.0,
         SwitchKind::Step => w,
@@ -89,17 +67,39 @@ impl Sides {
         let mut side = |above: Option<usize>| -> Result<Side, Singular> {
             let w: Vec<f64> = (0..count).map(|k| f64::from(u8::from(above == Some(k)))).collect();
             free.set_modes(&modes(system, &w));
-            let description = system.description();
-            let (mut a, mut lambda) = (vec![0.0; system.len()], vec![0.0; description.rows.len()]);
+            let (mut a, mut lambda) = (vec![0.0; system.len()], vec![0.0; system.description().rows.len()]);
             free.accelerations_and_multipliers(at, &mut a, &mut lambda)?;
-            let mut pairs = vec![0.0; 2 * description.switches.len()];
-            free.switches(at.accelerated(&a).constrained(&lambda), &mut pairs);
-            let rates = system.sliding().iter().map(|switch| pairs[2 * switch + 1]).collect();
+            let rates = rates(&*free, system.sliding(), at.accelerated(&a).constrained(&lambda));
             Ok(Side { a, lambda, rates })
         };
         let below = side(None)?;
-        let above = (0..count).map(|k| side(Some(k))).collect::<Result<_, _>>()?;
-        Ok(Sides { free, below, above })
+        let above = (0..count).map(|k| side(Some(k))).collect::<Result<Vec<Side>, _>>()?;
+        let alike = |k: usize| above.iter().all(|side| side.rates[k].to_bits() == below.rates[k].to_bits());
+        let of_places: Vec<bool> =
+            (0..count).map(|k| alike(k) && is_of_places(&*free, system.sliding()[k], at)).collect();
+        let mut sides = Sides { free, of_places, below, above };
+        if sides.of_places.contains(&true) {
+            sides.below.rates = sides.rates(system, at.constrained(&sides.below.lambda), &sides.below.a);
+            for k in 0..count {
+                let above = &sides.above[k];
+                sides.above[k].rates = sides.rates(system, at.constrained(&above.lambda), &above.a);
+            }
+        }
+        Ok(sides)
+    }
+
+    /// What accelerations make of the arguments: ė, or ë of those of places alone.
+    fn rates<S: System + ?Sized>(&self, system: &S, at: At<'_>, a: &[f64]) -> Vec<f64> {
+        let mut rates = rates(&*self.free, system.sliding(), at.accelerated(a));
+        if self.of_places.contains(&true) {
+            let mut slopes = vec![f64::NAN; 2 * system.description().switches.len()];
+            let along = Along { t: 1.0, q: at.v, v: a, ..Along::default() };
+            self.free.slopes(Function::Switches, at.accelerated(a), &along, &mut slopes);
+            let second = system.sliding().iter().map(|switch| slopes[2 * switch + 1]);
+            let list = rates.iter_mut().zip(second).zip(&self.of_places);
+            list.filter(|(_, of_places)| **of_places).for_each(|((rate, second), _)| *rate = second);
+        }
+        rates
     }
 
     /// x of Σ x_k (ė_k − ė₋) = right; `None` where no side moves its argument at once.
@@ -141,11 +141,7 @@ impl Sides {
     /// alone, free of the rounding of forces.
     fn keep<S: System + ?Sized>(&self, system: &S, at: At<'_>, a: &mut [f64]) {
         let n = a.len();
-        let rates = |a: &[f64]| -> Vec<f64> {
-            let mut pairs = vec![0.0; 2 * system.description().switches.len()];
-            self.free.switches(at.accelerated(a), &mut pairs);
-            system.sliding().iter().map(|switch| pairs[2 * switch + 1]).collect()
-        };
+        let rates = |a: &[f64]| self.rates(system, at, a);
         let exact = system.enforcement() == Enforcement::Multipliers && system.baumgarte_gain() == 0.0;
         let rows: Vec<usize> = system.active_rows().iter().filter(|_| exact).map(|row| *row as usize).collect();
         if rows.len() + self.above.len() >= n {
@@ -180,7 +176,8 @@ impl Sides {
         system.sliding().iter().map(|switch| pairs[2 * switch]).collect()
     }
 
-    /// Moves speeds along what the modes do to them until the arguments have changed by so much; false where they cannot.
+    /// Moves speeds along what the modes do to them until the arguments, or the rates of those of places alone, have changed by so much, or places until
+    /// these arguments have; false where they cannot.
     fn shift(&self, v: &mut [f64], change: impl Fn(usize) -> f64) -> bool {
         let Some(x) = self.solve(change) else { return false };
         for (x, above) in x.iter().zip(&self.above) {
@@ -190,18 +187,40 @@ impl Sides {
         true
     }
 
-    /// By how much the arguments may change by the rounding of the speeds.
+    /// By how much the arguments may change by the rounding of the speeds, or those of places alone by that of places.
     fn rounding<S: System + ?Sized>(&self, system: &S, at: At<'_>) -> Vec<f64> {
         let here = self.arguments(system, at);
-        let (mut v, mut sums) = (at.v.to_vec(), vec![0.0; here.len()]);
+        let (mut q, mut v, mut sums) = (at.q.to_vec(), at.v.to_vec(), vec![0.0; here.len()]);
         for i in 0..v.len() {
-            v[i] = at.v[i] * (1.0 + CERTAIN * f64::EPSILON);
-            let there = self.arguments(system, At { v: &v, ..at });
-            v[i] = at.v[i];
-            sums.iter_mut().zip(there.iter().zip(&here)).for_each(|(sum, (there, here))| *sum += (there - here).abs());
+            (q[i], v[i]) = (at.q[i] * (1.0 + CERTAIN * f64::EPSILON), at.v[i] * (1.0 + CERTAIN * f64::EPSILON));
+            let of_speeds = self.arguments(system, At { v: &v, ..at });
+            let of_places = self.arguments(system, At { q: &q, ..at });
+            (q[i], v[i]) = (at.q[i], at.v[i]);
+            for (k, sum) in sums.iter_mut().enumerate() {
+                let there = if self.of_places[k] { of_places[k] } else { of_speeds[k] };
+                *sum += (there - here[k]).abs();
+            }
         }
         sums
     }
+}
+
+/// The rates of the arguments of some switches.
+fn rates(system: &dyn System, switches: &[usize], at: At<'_>) -> Vec<f64> {
+    let mut pairs = vec![0.0; 2 * system.description().switches.len()];
+    system.switches(at, &mut pairs);
+    switches.iter().map(|switch| pairs[2 * switch + 1]).collect()
+}
+
+/// Whether no acceleration, and no rate of a state of first order, changes the rate of an argument.
+fn is_of_places(system: &dyn System, switch: usize, at: At<'_>) -> bool {
+    let mut a = vec![0.0; system.len()];
+    let still = rates(system, &[switch], at.accelerated(&a))[0];
+    (0..a.len()).all(|i| {
+        a.fill(0.0);
+        a[i] = 1.0;
+        rates(system, &[switch], at.accelerated(&a))[0].to_bits() == still.to_bits()
+    })
 }
 
 /// The accelerations and multipliers of a system that slides; NaN where no side moves an argument at once.
@@ -234,12 +253,30 @@ pub(super) fn resolved<S: System + ?Sized>(system: &S, at: At<'_>) -> Box<dyn Sy
     free
 }
 
-/// Brings the speeds of [q; q'] back to the surfaces, along what the modes do to them; true where they moved.
+/// Whether what would slide along arguments of places alone does so within so many seconds: their rates are what their sides take away in that time.
+pub(crate) fn comes_to_rest<S: System + ?Sized>(system: &S, t: f64, y: &[f64], seconds: f64) -> bool {
+    let at = At::packed(t, y, system.len());
+    let Ok(sides) = Sides::new(system, at) else { return false };
+    let speeds = rates(&*sides.free, system.sliding(), at.accelerated(&sides.below.a));
+    let stands = |k: usize| {
+        let sides_apart = (sides.above[k].rates[k] - sides.below.rates[k]).abs();
+        !sides.of_places[k] || speeds[k].abs() <= seconds * sides_apart
+    };
+    (0..speeds.len()).all(stands)
+}
+
+/// Brings the speeds of [q; q'] back to the surfaces, and places to those of places alone, along what the modes do to them; true where they moved.
 pub(crate) fn return_to_surfaces<S: System + ?Sized>(system: &S, t: f64, y: &mut [f64]) -> bool {
     let n = system.len();
     let Ok(sides) = Sides::new(system, At::packed(t, y, n)) else { return false };
     let arguments = sides.arguments(system, At::packed(t, y, n));
-    arguments.iter().any(|argument| *argument != 0.0) && sides.shift(&mut y[n..], |i| -arguments[i])
+    let speeds = rates(&*sides.free, system.sliding(), At::packed(t, y, n).accelerated(&sides.below.a));
+    let beside = |i: usize| if sides.of_places[i] { speeds[i] } else { arguments[i] };
+    let places = |i: usize| if sides.of_places[i] { arguments[i] } else { 0.0 };
+    let count = arguments.len();
+    let moves = |by: &dyn Fn(usize) -> f64| (0..count).any(|i| by(i) != 0.0);
+    let moved = moves(&places) && sides.shift(&mut y[..n], |i| -places(i));
+    moves(&beside) && sides.shift(&mut y[n..], |i| -beside(i)) || moved
 }
 
 /// The outputs of a system that slides: as its accelerations a mixture of those on the sides, a few roundings beside the surfaces.
@@ -255,10 +292,14 @@ pub(super) fn outputs<S: System + ?Sized>(system: &S, at: At<'_>, values: &mut [
     let (here, rounding) = (sides.arguments(system, at), sides.rounding(system, at));
     let beyond = |i: usize| 2.0 * here[i].abs() + rounding[i] + f64::MIN_POSITIVE / f64::EPSILON;
     let beside = |above: Option<usize>| -> Vec<f64> {
-        let mut v = at.v.to_vec();
-        sides.shift(&mut v, |i| if above == Some(i) { beyond(i) - here[i] } else { -beyond(i) - here[i] });
+        let (mut q, mut v) = (at.q.to_vec(), at.v.to_vec());
+        let change = |i: usize| if above == Some(i) { beyond(i) - here[i] } else { -beyond(i) - here[i] };
+        sides.shift(&mut v, |i| if sides.of_places[i] { 0.0 } else { change(i) });
+        if sides.of_places.contains(&true) {
+            sides.shift(&mut q, |i| if sides.of_places[i] { change(i) } else { 0.0 });
+        }
         let mut values = vec![0.0; values.len()];
-        free.outputs(At { v: &v, a: &a, lambda: &lambda, ..at }, &mut values);
+        free.outputs(At { q: &q, v: &v, a: &a, lambda: &lambda, ..at }, &mut values);
         values
     };
     let below = beside(None);

@@ -3,6 +3,7 @@
 use super::Settings;
 use crate::events::EventLocator;
 use crate::integrate::{LENGTHS_OF_EXACT, fastest_rate, longest_step, operations_of_exact};
+use crate::mechanism::sliding;
 use crate::mechanism::{AccelerationSlopes, Action, At, Description, Enforcement, Method, System};
 use crate::trust::{all_rates, rates};
 
@@ -57,6 +58,9 @@ pub(super) fn choose(settings: &Settings, system: &dyn System, y: &[f64]) -> Cho
     let structure = &description.structure;
     match settings.method {
         Method::Auto if settings.step.is_some() => because(Method::Rk4, "a step is given"),
+        Method::Auto if may_be_held(system, settings.from, y) => {
+            because(Method::Dop853, "it begins at rest where forces jump, which may hold it there")
+        }
         Method::Auto if is_on_parabolas(settings, description) => {
             because(Method::Verlet, "accelerations are constant, so that its parabolas are exact")
         }
@@ -113,6 +117,26 @@ fn vibrates_unseen(settings: &Settings, system: &dyn System, y: &[f64]) -> bool 
         ..settings.clone()
     };
     super::simulate(&mut *system.boxed_clone(), &trial).is_ok()
+}
+
+/// Whether a motion begins where the argument of a discontinuity and its rate are zero, and its sides accelerate differently: where both push back
+/// it stays, which methods for forces of places alone do not know.
+fn may_be_held(system: &dyn System, t: f64, y: &[f64]) -> bool {
+    let (n, switches) = (system.len(), &system.description().switches);
+    let mut side = system.boxed_clone();
+    let mut accelerations = |switch: usize, above: f64| {
+        let mut modes = system.modes().to_vec();
+        modes[switch] = sliding::mode(switches[switch].kind, above);
+        side.set_modes(&modes);
+        let mut a = vec![0.0; n];
+        side.accelerations(At::packed(t, y, n), &mut a).is_ok().then_some(a)
+    };
+    let (still, mut pairs) = (vec![0.0; n], vec![0.0; 2 * switches.len()]);
+    system.switches(At::packed(t, y, n).accelerated(&still), &mut pairs);
+    (0..switches.len()).any(|switch| {
+        let stands = pairs[2 * switch..2 * switch + 2] == [0.0, 0.0];
+        !switches[switch].time_only && stands && accelerations(switch, 0.0) != accelerations(switch, 1.0)
+    })
 }
 
 /// Whether every motion between two events is a parabola: constraints act as they are written, and not by springs.

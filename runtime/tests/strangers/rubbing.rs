@@ -384,3 +384,18 @@ fn what_cannot_follow_a_direction_says_so() {
     assert!(told.contains("`floor`: what contacts"), "{told}");
     std::fs::remove_dir_all(folder).expect("removed");
 }
+
+#[test]
+fn a_ball_that_spins_after_it_struck_flies_on() {
+    // It rolls from the first impact on, with 5/7 of its speed; what does not turn about z stays 0 beside what turns fast.
+    let thrown = format!(
+        "{}scene: {{start: {{z: 0.5 m, x': 3 m/s, y': 0.3 m/s}}, until: 3}}\n",
+        BALL.replace("e: 0.6", "e: 0.5").trim_start()
+    );
+    let mut ball = quiet(&thrown);
+    let run = ball.run();
+    let lands = f64::sqrt(0.08);
+    near(run.last()["x"], 3.0 * lands + 15.0 / 7.0 * (3.0 - lands), 1e-8, "x");
+    near(run.last()["y'"], 1.5 / 7.0, 1e-9, "y'");
+    assert!(run.work.evaluations < 5000, "{:?}", run.work);
+}

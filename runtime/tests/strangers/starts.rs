@@ -76,3 +76,19 @@ fn sums_of_values_that_a_loop_forgets_are_zeros() {
     let said = program(&["modes", path.to_str().expect("a path"), "--sampled"]).unwrap();
     assert!(said.contains("and 2 that are 0") && !said.contains("warning"), "{said}");
 }
+
+/// A row whose terms are all zero where it begins, and a drive that sets off like t²: 1 − cos(w t) is rounded to 1e-16 beside it.
+#[test]
+fn a_drive_that_sets_off_slowly_keeps_its_constraint() {
+    let text = "name: Lost\nparameters: {m: 1 kg, a: 1 m, w: 3 rad/s}\ncoordinates: {x: m, y: m}\n\
+                inputs: {raise: a*(1 - cos(w*t))}\n\
+                bodies: {b: {mass: m, position: \"[x, 0]\"}, c: {mass: m, position: \"[y, 0]\"}}\n\
+                constraints: {arm: y - x - raise}\nscene: {until: 1, tolerance: 1e-12}\n";
+    for until in [1e-9, 1e-3, 1.0] {
+        let mut drive = case(text);
+        drive.settings.until = until;
+        let x = drive.run().last()["x"];
+        let expected = -f64::sin(1.5 * until).powi(2);
+        assert!((x - expected).abs() < 1e-15 + 1e-11 * until, "{until}: {x}, not {expected}");
+    }
+}

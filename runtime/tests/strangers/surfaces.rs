@@ -1,7 +1,5 @@
 //! States of first order on surfaces: runs that ended with `chattering` and advice on dry friction.
 
-use dalembert::{Cause, Error};
-
 use super::case;
 
 /// A motion that winds about the origin: both surfaces are crossed again and again, in times that shrink to a third.
@@ -53,18 +51,79 @@ fn a_tank_that_runs_empty_stays_empty() {
 }
 
 #[test]
-fn states_that_nothing_holds_are_not_told_of_friction() {
-    // The twisting algorithm: crossings of x = 0 accumulate, and no side of its sign changes the rate of x.
+fn states_that_wind_about_two_surfaces_come_to_rest() {
+    // The twisting algorithm of states: crossings of x = 0 accumulate, and no side of its sign changes the rate of x.
     let twisting = "name: Twisting\nstates: {x: {rate: y}, y: {rate: -2*sign(x) - sign(y)}}\n\
                     scene: {start: {x: 1}, until: 20, tolerance: 1e-10}\n";
-    let Err(Error::Run(failure)) = case(twisting).try_run() else { panic!("a motion") };
-    assert!(matches!(&failure.cause, Cause::ChatteringStates { switch } if switch == "x"), "{}", failure.cause);
-    // What friction or a constraint may hold is told of these, as before.
-    let moving = "name: Twisting\nparameters: {m: 1 kg, F: 1 N}\ncoordinates: {x: m}\nbodies: {b: {mass: m, position: \"[x, 0]\"}}\n\
-                  forces: {f: {on: b, force: \"[-2*F*sign(x) - F*sign(x'), 0]\"}}\n\
-                  scene: {start: {x: 1}, until: 20, tolerance: 1e-10}\n";
-    let Err(Error::Run(failure)) = case(moving).try_run() else { panic!("a motion") };
-    assert!(matches!(failure.cause, Cause::Chattering { .. }), "{}", failure.cause);
+    let run = case(twisting).run();
+    assert!(["x", "y"].iter().all(|name| run.last()[*name].abs() < 1e-12), "{:?}", run.last());
+}
+
+/// A particle on a line that a force pulls to its middle, whatever the distance.
+fn pulled(force: &str, start: &str, until: f64) -> String {
+    format!(
+        "name: Pulled\nparameters: {{m: 1 kg, F: 1 N, r: 0.5 N/s}}\ncoordinates: {{x: m}}\n\
+         bodies: {{b: {{mass: m, position: \"[x, 0]\"}}}}\nforces: {{f: {{on: b, force: \"[{force}, 0]\"}}}}\n\
+         outputs: {{side: sign(x)}}\nscene: {{start: {{{start}}}, until: {until}, tolerance: 1e-11}}\n"
+    )
+}
+
+#[test]
+fn a_preloaded_spring_holds_its_middle_until_more_than_the_preload_pulls() {
+    // Held until r t = F, at 2 s; from there on r (t − 2)³/6.
+    let run = case(&pulled("-F*sign(x) + r*t", "x: 0", 1.5)).run();
+    assert_eq!((run.last()["x"], run.last()["x'"]), (0.0, 0.0));
+    assert!((run.last()["side"] - 0.75).abs() < 1e-12, "{}", run.last()["side"]);
+    let run = case(&pulled("-F*sign(x) + r*t", "x: 0", 4.0)).run();
+    let x = 0.5 * 8.0 / 6.0;
+    assert!((run.last()["x"] - x).abs() < 1e-9, "{}, not {x}", run.last()["x"]);
+    // What pushes away does not hold.
+    let run = case(&pulled("F*sign(x) + r*t", "x: 0", 1.0)).run();
+    assert!((run.last()["x"] - (0.5 + 0.5 / 6.0)).abs() < 1e-9, "{}", run.last()["x"]);
+}
+
+#[test]
+fn what_swings_ever_faster_about_a_surface_comes_to_rest_on_it() {
+    // The twisting algorithm: from each turning point a third of the way remains at the next one, so that crossings accumulate.
+    for force in ["-2*F*sign(x) - F*sign(x')", "-2*F*sign(x) - F*sign(x') + 0.2*F"] {
+        let run = case(&pulled(force, "x: 1", 20.0)).run();
+        assert!(run.last()["x"].abs() < 1e-12 && run.last()["x'"].abs() < 1e-9, "{force}: {:?}", run.last());
+    }
+}
+
+#[test]
+fn a_curved_surface_of_places_is_followed() {
+    // Held on the circle of radius 1 by a force of 1 of the 2 that pull from both sides: the angle is t.
+    let circle = "name: Circle\nparameters: {m: 1 kg, F: 2 N, R: 1 m}\ncoordinates: {x: m, y: m}\n\
+                  bodies: {b: {mass: m, position: \"[x, y]\"}}\n\
+                  forces: {f: {on: b, force: \"-F*sign(x^2 + y^2 - R^2)*[x, y]/R\"}}\noutputs: {side: sign(x^2 + y^2 - R^2)}\n\
+                  scene: {start: {x: 1, y': 1}, until: 10, tolerance: 1e-11}\n";
+    let run = case(circle).run();
+    let [x, y] = ["x", "y"].map(|name| run.last()[name]);
+    assert!((x - 10_f64.cos()).abs() < 1e-8 && (y - 10_f64.sin()).abs() < 1e-8, "({x}, {y})");
+    assert!((run.last()["side"] - 0.5).abs() < 1e-8, "{}", run.last()["side"]);
+}
+
+/// Two surfaces that are met at one instant, each known to rounding.
+#[test]
+fn surfaces_that_are_met_together_are_both_crossed() {
+    let meets = |[along, against]: [f64; 2], start: &str, until: f64| {
+        let text = format!(
+            "name: Meets\nparameters: {{m: 1 kg, k: 1 N/m, F: {along} N, G: {against} N, w: 1 rad/s}}\ncoordinates: {{x: m}}\n\
+             bodies: {{p: {{mass: m, position: \"[x, 0]\"}}}}\n\
+             generalized_forces: {{x: \"-k*x + F*sign(x) + G*sign(sin(w*t))\"}}\n\
+             scene: {{start: {{{start}}}, until: {until}, tolerance: 1e-10}}\n"
+        );
+        case(&text).run().last()["x"]
+    };
+    // The two forces cancel, since x = sin t.
+    for force in [0.5, -0.5] {
+        let x = meets([force, -force], "x': 1", 100.0);
+        assert!((x - 100_f64.sin()).abs() < 1e-7, "{x}");
+    }
+    // x = 0 at t = π with the speed 1, x = −1 at 2π; the end by pieces of circles in the plane of x and x'.
+    let x = meets([-0.5, 0.5], "x: 1", 20.0);
+    assert!((x - 2.170_450_791_141_314_5).abs() < 1e-8, "{x}");
 }
 
 /// What slides in its surface leaves it where an impact, a value that is set or an input takes it off at once: nothing brings it back but its forces.

@@ -147,7 +147,10 @@ fn messages() {
         ),
         ("x'[1]", "E102 2..3 expected an operator, found `[` the index comes before the prime: `x[…]'`"),
         ("[a]", "E113 0..3 a vector has two or three components, this has 1 "),
-        ("p.w", "E114 2..3 `.w` is not a component components are `.x`, `.y` and `.z`, and in `reaction(...)` of a contact `.friction`"),
+        (
+            "p.w",
+            "E114 2..3 `.w` is not a component components are `.x`, `.y` and `.z`, and in `reaction(...)` of a contact `.friction`",
+        ),
         (
             "a = b",
             "E115 2..3 `=` may stand only once, between the two sides of an equation an expression is wanted here; for an equation `a = b` write `a - b`",

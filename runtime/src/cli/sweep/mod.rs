@@ -22,6 +22,7 @@ use table::{Row, Table, results};
 use super::json::{number, object};
 use super::load::Loaded;
 use super::modes::at_rest;
+use super::plotted::parts;
 use super::set_up::{Changes, choose, unknown};
 use super::{Context, Problem, npz, outputs};
 use crate::Settings;
@@ -321,7 +322,7 @@ fn shown(options: &ArgMatches, results: &[String], columns: &[String]) -> Result
         Some(name) => Ok(name.clone()),
         None => Err(unknown("result", name, results.iter().map(String::as_str))),
     };
-    list.split(',').map(|name| known(name.trim())).collect()
+    parts(list).map(known).collect()
 }
 
 /// The first rows, with what varies and what is shown.

@@ -74,8 +74,8 @@ pub(crate) enum Interruption {
     },
 }
 
-/// More restarts than this at once are chattering.
-const RESTARTS: u32 = 100;
+/// After so many restarts at once what is on its surface stays there, if it can; after twice as many it is chattering.
+pub(crate) const RESTARTS: u32 = 100;
 /// After so many it is asked whether rounding makes them.
 const SEVERAL: u32 = 8;
 /// What happens within this part of a step happens at once.
@@ -642,7 +642,10 @@ impl EventLocator {
             }
         }
         // What is met again and again at one instant stays there, if it can.
-        let stays = self.restarts == RESTARTS + 1 && modes::slides_where_on(system, &mut self.sampler, (t, y), &on);
+        let at_once = AT_ONCE * self.step;
+        if (RESTARTS..2 * RESTARTS).contains(&self.restarts) {
+            modes::stay_where_on(system, &mut self.sampler, (t, y), (&on, at_once));
+        }
         self.sampler.at_state(system, t, y);
         for (switch, on) in on.into_iter().enumerate() {
             let function = self.sampler.function_of(switch);
@@ -653,7 +656,7 @@ impl EventLocator {
                 // What is on its surface begins there, on whichever side rounding has put it.
                 self.scanner.zero[function] = if slides { 0.0 } else { self.sampler.value(function).abs() };
             }
-            if on && self.restarts > RESTARTS && !stays {
+            if on && self.restarts >= 2 * RESTARTS {
                 return Err(modes::chattering(system, (t, y), switch).into());
             }
         }
