@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 
 use super::json::{number, object};
 use super::load::Loaded;
-use super::plotted::{Shown, parts};
+use super::plotted::{self, Shown};
 use super::set_up::{set_method, set_up, set_up_scene};
 use super::{Context, Problem, compare, drawn, enforcement, outputs, slopes, symmetries, value_files};
 use crate::mechanism::{self, Action, ContactMode, Description, Enforcement, Stabilisation, Target};
@@ -152,7 +152,7 @@ fn by_options(mut settings: Settings, options: &ArgMatches) -> Result<Settings, 
 /// The runs of `--with`, as far as they came.
 fn others(context: Context<'_>, options: &ArgMatches) -> Result<Vec<(String, Run)>, Problem> {
     let scenes = options.get_one::<String>("with").map_or("", String::as_str);
-    parts(scenes)
+    plotted::parts(scenes)
         .map(|scene| {
             let mut loaded = Loaded::find(context, options)?;
             let settings = set_up_scene(&mut loaded, options, Some(scene))?;
