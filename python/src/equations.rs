@@ -1,7 +1,7 @@
 //! The equations of a mechanism as functions of time and state, for integrators and optimisers of Python.
 
 use dalembert::mechanism::{At, Description, Singular, System, choose_sides, rate_jacobian};
-use dalembert::{Settings, initial_state};
+use dalembert::{Error, Settings, enter_initial_phase, initial_state};
 use numpy::ndarray::Array2;
 use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArrayLike1};
 use pyo3::exceptions::PyValueError;
@@ -15,6 +15,8 @@ use crate::problem::made;
 pub struct Equations {
     system: Box<dyn System>,
     scene: usize,
+    /// The phase that was asked for; `None`: that in which the scene begins.
+    asked: Option<usize>,
 }
 
 type State<'py> = PyArrayLike1<'py, f64, AllowTypeChange>;
@@ -27,16 +29,24 @@ impl Equations {
         mut system: Box<dyn System>,
         scene: usize,
         parameters: Vec<(usize, f64)>,
-        (phase, derivation): (usize, Option<usize>),
+        (asked, derivation): (Option<usize>, Option<usize>),
     ) -> PyResult<Equations> {
         guarded(py, || {
             for (index, value) in system.scene_parameters(scene).into_iter().chain(parameters) {
                 system.set_parameter(index, value);
             }
-            system.set_memory(&system.scene_memory(scene));
-            system.set_phase(phase);
             system.set_derivation(derivation);
-            Ok(Equations { system, scene })
+            let settings = Settings::of_scene(&*system, scene);
+            match asked {
+                Some(phase) => {
+                    system.set_memory(&system.scene_memory(scene));
+                    system.set_phase(phase);
+                }
+                None => {
+                    enter_initial_phase(&mut *system, &settings).map_err(|error| undecided(py, &error))?;
+                }
+            }
+            Ok(Equations { system, scene, asked })
         })
     }
 
@@ -91,8 +101,19 @@ impl Equations {
     }
 }
 
+/// The exception of a start that decides no phase.
+fn undecided(py: Python<'_>, error: &Error) -> PyErr {
+    made(py, "EvaluationError", (format!("the scene begins in no phase, `phase` names one: {error}"),))
+}
+
 #[pymethods]
 impl Equations {
+    /// The place of the phase.
+    #[getter]
+    fn phase(&self) -> usize {
+        self.system.phase()
+    }
+
     /// The values of the parameters.
     #[getter]
     fn parameters(&self) -> Vec<f64> {
@@ -120,7 +141,7 @@ impl Equations {
             if self.description().rows.is_empty() {
                 return Ok([scene.q, scene.v].concat());
             }
-            settings.phase = system.phase();
+            settings.phase = self.asked.unwrap_or(settings.phase);
             let first = initial_state(&mut *system, &settings);
             let first = first.map_err(|error| made(py, "EvaluationError", (error.to_string(),)))?;
             Ok([first.q, first.v].concat())

@@ -142,21 +142,16 @@ impl Model {
         done.whole()?.map_err(|problem| raised(py, &problem))
     }
 
-    /// The equations of a scene with other values of parameters, in a phase, by a system of balances.
+    /// The equations of a scene with other values of parameters, in a phase or in that in which the scene begins, by a system of balances.
     fn equations(
         &self,
         py: Python<'_>,
         scene: usize,
         parameters: Vec<(usize, f64)>,
-        phase: usize,
+        phase: Option<usize>,
         derivation: Option<usize>,
     ) -> PyResult<Equations> {
         Equations::new(py, self.session.system(), scene, parameters, (phase, derivation))
-    }
-
-    /// The phase of a scene.
-    fn phase(&self, scene: usize) -> usize {
-        self.session.system().scene(scene).phase
     }
 
     /// The names of systems of balances.

@@ -70,3 +70,33 @@ def test_inputs_are_on_the_side_of_the_time_and_values_are_held(signal):
             assert np.allclose(compiled.rhs(t, y), equations.rhs(t, y), rtol=1e-14), (t, y)
     if signal == "F*step(t1 - t)":
         assert [compiled.rhs(t, [0.0, 0.0])[1] for t in (0.9, 0.97)] == [8, 5]
+
+
+@pytest.mark.parametrize("name", ["ladder", "rocking_block", "two_blocks"])
+def test_contacts_are_in_the_phase_of_the_start(name):
+    model = dalembert.load(name)
+    compiled, equations = model.compile(), model.equations()
+    assert np.allclose(compiled.rhs(0.0, equations.y0), equations.rhs(0.0, equations.y0), rtol=1e-12, atol=1e-12)
+
+
+def test_scenes_of_the_c_start_in_their_phases():
+    text = """
+name: Slide
+parameters: {m: 1 kg, F: 3 N}
+coordinates: {x: m}
+bodies: {b: {mass: m, position: "[x, 0]"}}
+friction: {rub: {rate: x', on: b, along: ground.x, limit: F}}
+scene: {start: {x': -2}, until: 1}
+scenes: {ahead: {start: {x': 2}, until: 1}, rest: {start: {x': 0}, until: 1}}
+"""
+    model = dalembert.load(text)
+    compiled = model.compile()
+    phases = {"scene": "rub slips backwards", "ahead": "rub slips forwards", "rest": "rub sticks"}
+    for place, (scene, phase) in enumerate(phases.items()):
+        settings, q, v = np.zeros(3), np.zeros(1), np.zeros(1)
+        compiled._call("scene", place, compiled._constants, settings, q, v)
+        assert model.phases[compiled._call("phase", compiled._constants)] == phase == model.phases[model.equations(scene).phase]
+    # The same of the module for NumPy.
+    module = {}
+    exec(model.show("python"), module)
+    assert list(module["rate"](0.0, [0.0, -2.0])) == [-2, 3]

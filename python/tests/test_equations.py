@@ -108,3 +108,59 @@ def test_a_singular_mass_matrix_is_an_error():
     text = "{name: S, parameters: {m: 1 kg}, coordinates: {x: m}, kinetic_energy: m*x^2*x'^2/2/1 m^2, scene: {start: {x: 1}, until: 1}}"
     with pytest.raises(dalembert.EvaluationError):
         dalembert.load(text.replace("/1 m^2", "").replace("m: 1 kg", "m: 1 kg/m^2")).rhs(0, [0, 1])
+
+
+SLIDE = """
+name: Slide
+parameters: {m: 1 kg, F: 3 N}
+coordinates: {x: m}
+bodies: {b: {mass: m, position: "[x, 0]"}}
+friction: {rub: {rate: x', on: b, along: ground.x, limit: F}}
+scene: {start: {x': -2 m/s}, until: 0.1}
+"""
+FLOOR = """
+name: Floor
+parameters: {m: 1 kg, g: 9.81 m/s^2, mu: 0.3}
+coordinates: {x: m, y: m}
+bodies: {b: {mass: m, position: "[x, y]"}}
+gravity: [0, -g]
+contacts: {floor: {gap: y, on: b, normal: "[0, 1]", friction: mu}}
+scenes:
+  back: {start: {x': -2 m/s, y: 0}, until: 0.1}
+  ahead: {start: {x': 2 m/s, y: 0}, until: 0.1}
+  above: {start: {y: 1 m}, until: 0.1}
+  below: {start: {y: -1 m}, until: 0.1}
+"""
+
+
+def test_friction_and_contacts_are_in_the_phase_of_the_start():
+    slide = dalembert.load(SLIDE)
+    equations = slide.equations()
+    assert list(equations.rhs(0, equations.y0)) == [-2, 3] == list(slide.rhs(0, [0, -2]))
+    assert slide.phases[equations.phase] == "rub slips backwards"
+    end = solve_ivp(equations.rhs, (0, 0.1), equations.y0, rtol=1e-10, atol=1e-12).y[:, -1]
+    assert np.allclose(end, slide.simulate(digits=False).y[-1], atol=1e-9)
+    floor = dalembert.load(FLOOR)
+    accelerations = {"back": [0.3 * 9.81, 0], "ahead": [-0.3 * 9.81, 0], "above": [0, -9.81]}
+    for scene, expected in accelerations.items():
+        equations = floor.equations(scene)
+        assert np.allclose(equations.rhs(0, equations.y0)[2:], expected, atol=1e-12), scene
+    # Without friction at 0 the start is the same, the phase of other parameters theirs.
+    assert np.allclose(floor.equations("back", set={"mu": 0.5}).rhs(0, [0, 0, -2, 0])[2:], [0.5 * 9.81, 0], atol=1e-12)
+    assert np.allclose(floor.equations("back", phase="floor open").rhs(0, [0, 0, -2, 0])[2:], [0, -9.81])
+
+
+def test_a_start_that_decides_no_phase_is_an_error_unless_one_is_named():
+    floor = dalembert.load(FLOOR)
+    with pytest.raises(dalembert.EvaluationError, match="begins in no phase.*floor"):
+        floor.equations("below")
+    assert floor.equations("below", phase="floor open").rhs(0, [0, 1, 0, 0])[3] == -9.81
+
+
+@pytest.mark.parametrize("name", ["ladder", "rocking_block", "two_blocks", "stick_slip", "eccentric_cylinder"])
+def test_accelerations_at_the_start_are_those_of_the_run(name):
+    model = dalembert.load(name)
+    equations = model.equations()
+    motion = model.simulate(until=1e-6, digits=False)
+    rate = (motion.y[-1] - motion.y[0]) / motion.t[-1]
+    assert np.allclose(equations.rhs(0, equations.y0), rate, atol=1e-3)

@@ -88,6 +88,8 @@ pub use dalembert_mechanism::generated_for;
 pub use error::{Error, Inseparable, NoOrbit, NoSlopes, Nonlinear, NotFound};
 pub use mechanism::{Enforcement, Method, ParseMethodError, Stabilisation};
 pub use run::{ContactHistory, Digits, Failure, Impulse, Occurrence, Run, RunPart, State, Symmetry, Trust, Work};
-pub use simulate::{Settings, Simulate, Simulation, StateMut, Stepping, initial_state, simulate, simulate_with};
+pub use simulate::{
+    Settings, Simulate, Simulation, StateMut, Stepping, enter_initial_phase, initial_state, simulate, simulate_with,
+};
 pub use trust::{Loss, Warning};
 pub use vary::{Slope, Slopes};

@@ -15,11 +15,11 @@ _Array = NDArray[np.float64]
 class Equations:
     """The equations of a scene: functions of a time t and a state y = (q, q') in SI units.
 
-    Parameters, the phase and held values stay as they are; discontinuities are on the side where the state is. Nothing here keeps
-    constraints, or does what events do: `simulate` does.
+    The phase is that in which a run of the scene begins, unless another was asked for. Parameters, the phase and held values stay as they are;
+    discontinuities are on the side where the state is. Nothing here keeps constraints, or does what events do: `simulate` does.
     """
 
-    def __init__(self, native: _dalembert.Equations, names: list[str], events: list[tuple[str, int, bool]], phase: int):
+    def __init__(self, native: _dalembert.Equations, names: list[str], events: list[tuple[str, int, bool, Optional[list[int]]]]):
         self._native = native
         #: The names of y.
         self.names = names
@@ -27,7 +27,7 @@ class Equations:
         #: From 0 to the scene's end, s.
         self.t_span = (0.0, native.until)
         #: The place of the phase among the mechanism's.
-        self.phase = phase
+        self.phase = native.phase
         self._events = events
         #: The rate of the state, for `scipy.integrate.solve_ivp`.
         self.rhs: Callable[[float, ArrayLike], _Array] = native.rhs

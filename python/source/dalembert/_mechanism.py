@@ -527,17 +527,18 @@ class Mechanism:
     ) -> Equations:
         """The equations of a scene as functions of time and state, with other values of parameters, SI.
 
+        The phase is that in which a run begins, by what its start decides of contacts and friction, if `phase` names no other.
         `by` names a system of `balances` from which the accelerations come.
         """
         names = list(self.parameters)
         changed = [(_place("parameter", name, names), float(value)) for name, value in (set or {}).items()]
         place = 0 if scene is None else _place("scene", scene, self.scenes)
-        mode = self._model.phase(place) if phase is None else _place("phase", phase, self.phases)
+        mode = None if phase is None else _place("phase", phase, self.phases)
         system = None if by is None else _place("system of balances", by, self._model.derivations)
         native = self._model.equations(place, changed, mode, system)
         coordinates = [name for name, _ in self._model.coordinates]
         rates = [name[1:] if name.startswith("∫") else f"{name}'" for name in coordinates]
-        return Equations(native, coordinates + rates, self._model.events, mode)
+        return Equations(native, coordinates + rates, self._model.events)
 
     @property
     def _equations(self) -> Equations:

@@ -44,6 +44,7 @@ mod slopes;
 mod solve;
 mod stability;
 mod stability_maps;
+mod starts;
 mod sweep;
 mod symmetries;
 mod value_files;

@@ -10,7 +10,7 @@ use dalembert_symbolic::{file, print};
 use serde_json::Value;
 
 use super::load::{Loaded, pairs};
-use super::{Context, Problem, check, json, outputs};
+use super::{Context, Problem, check, json, outputs, starts};
 
 /// Prints M, h, constraints and what was recognised; with `--rust`, `--python` or `--c` code.
 pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
@@ -31,7 +31,10 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
 
 /// Prints what the options ask for.
 fn print_form(loaded: &Loaded, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
-    let program = loaded.program()?;
+    let mut program = loaded.program()?;
+    if options.get_flag("python") || options.get_flag("c") {
+        starts::decide(&mut program, loaded);
+    }
     let model = &program.model;
     if options.get_flag("rust") {
         let name = print::type_name(&model.name);

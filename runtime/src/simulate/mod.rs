@@ -98,6 +98,41 @@ pub fn initial_state(system: &mut dyn System, settings: &Settings) -> Result<Sta
     Ok(simulate(system, &beginning)?.first())
 }
 
+/// Puts a mechanism in the phase in which a run begins, with what is held there: contacts and friction decide it by the start, before any event.
+/// Returns the place of the phase.
+///
+/// # Errors
+/// As [`simulate`], where the start decides none.
+///
+/// # Example
+/// A block that slides backwards is rubbed forwards:
+/// ```
+/// use dalembert::mechanism::{Dynamic, System};
+/// use dalembert::{Settings, enter_initial_phase};
+/// # mod example {
+/// dalembert::model!(yaml = r#"
+/// name: Slide
+/// parameters: {m: 1 kg, F: 3 N}
+/// coordinates: {x: m}
+/// bodies: {b: {mass: m, position: "[x, 0]"}}
+/// friction: {rub: {rate: x', on: b, along: ground.x, limit: F}}
+/// scene: {start: {x': -2}, until: 1}
+/// "#);
+/// # }
+/// # use example::Slide;
+/// let mut system = Dynamic::new(Slide::default());
+/// let settings = Settings::of_scene(&system, 0);
+/// let phase = enter_initial_phase(&mut system, &settings)?;
+/// assert_eq!(&*system.description().phases[phase].name, "rub slips backwards");
+/// # Ok::<(), dalembert::Error>(())
+/// ```
+pub fn enter_initial_phase(system: &mut dyn System, settings: &Settings) -> Result<usize, Error> {
+    check(system, settings)?;
+    set_up(system, settings);
+    // Why there is none is told by the run.
+    first_phase(system, settings).or_else(|_| initial_state(system, settings).map(|_| system.phase()))
+}
+
 /// Runs a mechanism, and tells `progress` the time that was reached after every step, until it breaks off.
 ///
 /// # Errors

@@ -56,12 +56,12 @@ def bicubic_(x, y, orders, knots, pieces, periods):
 /// Accelerations and the state's rate of mechanisms without constraints.
 const FREE: &str = r#"
 
-def accelerations(t, q, v, p=PARAMETERS, phase=0{=memory}):
+def accelerations(t, q, v, p=PARAMETERS, phase={start}{=memory}):
     """q'' = -M^-1 h."""
     return np.linalg.solve(mass_matrix(t, q, v, p, phase{memory}), -bias(t, q, v, p, phase{memory}))
 
 
-def rate(t, x, p=PARAMETERS, phase=0{=memory}):
+def rate(t, x, p=PARAMETERS, phase={start}{=memory}):
     """The rate of the state (q, q')."""
     q, v = np.split(np.asarray(x, dtype=float), 2)
     return np.concatenate([v, accelerations(t, q, v, p, phase{memory})])
@@ -70,7 +70,7 @@ def rate(t, x, p=PARAMETERS, phase=0{=memory}):
 /// The same with constraints.
 const CONSTRAINED: &str = r#"
 
-def accelerations(t, q, v, p=PARAMETERS, phase=0{=memory}):
+def accelerations(t, q, v, p=PARAMETERS, phase={start}{=memory}):
     """q'' and the multipliers of the phase's rows, the least ones where rows depend on each other."""
     rows = list(PHASES.values())[phase]
     M = mass_matrix(t, q, v, p, phase{memory})
@@ -83,7 +83,7 @@ def accelerations(t, q, v, p=PARAMETERS, phase=0{=memory}):
     return x[:n], x[n:]
 
 
-def rate(t, x, p=PARAMETERS, phase=0{=memory}):
+def rate(t, x, p=PARAMETERS, phase={start}{=memory}):
     """The rate of the state (q, q'); nothing here corrects the drift from constraints, locates events or changes phases."""
     q, v = np.split(np.asarray(x, dtype=float), 2)
     return np.concatenate([v, accelerations(t, q, v, p, phase{memory})[0]])
@@ -195,8 +195,13 @@ impl Module<'_> {
         self.out.push('\n');
     }
 
+    /// The place of the phase in which the scene starts.
+    fn start(&self) -> usize {
+        self.program.model.scenes.first().map_or(0, |scene| scene.phase)
+    }
+
     fn head(&mut self, name: &str) {
-        let model = &self.program.model;
+        let (model, start) = (&self.program.model, self.start());
         let about = model.about.trim().replace('\\', "\\\\").replace("\"\"\"", "'''");
         let about = if about.is_empty() { String::new() } else { format!("\n{about}\n") };
         let strings = |names: &mut dyn Iterator<Item = &String>| {
@@ -218,7 +223,10 @@ impl Module<'_> {
         }
         text += "}\n";
         if !self.program.constraints.is_empty() {
-            text += "\n# Phases, and the rows of the constraints that act in each; the first is in force at the start.\nPHASES = {\n";
+            let _ = writeln!(
+                text,
+                "\n# Phases, and the rows of the constraints that act in each; with these parameters the scene starts in that of place {start}.\nPHASES = {{"
+            );
             for phase in &model.phases {
                 let _ = writeln!(text, "    {:?}: {:?},", phase.name, model.rows_of(phase));
             }
@@ -227,7 +235,10 @@ impl Module<'_> {
             let _ = writeln!(text, "}}\n\nROWS = [{rows}]");
         } else if model.phases.len() > 1 {
             let names = strings(&mut model.phases.iter().map(|phase| &phase.name));
-            let _ = writeln!(text, "\nPHASES = [{names}]");
+            let _ = writeln!(
+                text,
+                "\n# Phases; with these parameters the scene starts in that of place {start}.\nPHASES = [{names}]"
+            );
         }
         if !model.memory.is_empty() {
             text += "\n# What is held between events, as at the start; nothing here sets it.\nMEMORY = {\n";
@@ -244,7 +255,8 @@ impl Module<'_> {
     /// A function of the state, with its documentation.
     fn function(&mut self, name: &str, about: &str) {
         let memory = if self.program.model.memory.is_empty() { "" } else { ", memory=MEMORY" };
-        self.line(&format!("\n\ndef {name}(t, q, v, p=PARAMETERS, phase=0{memory}):\n    \"\"\"{about}\"\"\""));
+        let start = self.start();
+        self.line(&format!("\n\ndef {name}(t, q, v, p=PARAMETERS, phase={start}{memory}):\n    \"\"\"{about}\"\"\""));
     }
 
     /// The functions that the file gives by points.
@@ -363,6 +375,7 @@ impl Module<'_> {
         let (default, memory) =
             if self.program.model.memory.is_empty() { ("", "") } else { (", memory=MEMORY", ", memory") };
         let text = if constrained { CONSTRAINED } else { FREE };
+        let text = text.replace("{start}", &self.start().to_string());
         self.out += &text.replace("{=memory}", default).replace("{memory}", memory);
     }
 }

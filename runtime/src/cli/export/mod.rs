@@ -15,7 +15,7 @@ use self::description::Start;
 use self::fmu::Fmi;
 use super::load::Loaded;
 use super::set_up::set_up;
-use super::{Context, Problem, outputs};
+use super::{Context, Problem, outputs, starts};
 use crate::initial_state;
 
 /// Tolerances of an FMU's own integration are no tighter: beyond them its method of order 5 takes too many steps.
@@ -32,7 +32,8 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
         )));
     }
     let mut loaded = Loaded::find(context, options)?;
-    let program = loaded.program()?;
+    let mut program = loaded.program()?;
+    starts::decide(&mut program, &loaded);
     let code = print::c(&program, &loaded.name);
     if let Some(folder) = options.get_one::<String>("c") {
         c(&code, Path::new(folder), out)?;

@@ -14,7 +14,8 @@ const DECLARATIONS: &str = "
 void NAME_scene_parameters(int scene, const double *c, NAME_parameters *p);
 
 /* A scene's start, computed of the parameters in c: q and v, its phase and held values in c, and in settings its end, its tolerance and the spacing of
-   its reports (0: none is given).  Where constraints are to be met, what the scene does not name is a guess. */
+   its reports (0: none is given).  Where constraints are to be met, what the scene does not name is a guess.  The phase of friction and contacts is
+   that in which the scene starts with the file's parameters; where others let it start in another, NAME_set_phase puts that in force. */
 void NAME_scene(int scene, double *c, double *settings, double *q, double *v);
 
 /* Coefficients of restitution: of all impacts in the order of the events, then of contacts. */
