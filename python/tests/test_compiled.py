@@ -72,6 +72,29 @@ def test_inputs_are_on_the_side_of_the_time_and_values_are_held(signal):
         assert [compiled.rhs(t, [0.0, 0.0])[1] for t in (0.9, 0.97)] == [8, 5]
 
 
+def chain(count, stiffness="k"):
+    names = [f"x{k}" for k in range(count)]
+    bodies = ", ".join(f'b{k}: {{mass: m, position: "[{name}, 0]"}}' for k, name in enumerate(names))
+    springs = ", ".join(f"s{k}: {{stretch: {name}, stiffness: {stiffness}, along: ground.x, on: b{k}}}" for k, name in enumerate(names))
+    coordinates = ", ".join(f"{name}: m" for name in names)
+    return f"name: Chain\nparameters: {{m: 2 kg, k: 50 N/m}}\ncoordinates: {{{coordinates}}}\nbodies: {{{bodies}}}\nsprings: {{{springs}}}\nscene: {{start: {{x0: 0.1}}, until: 1}}\n"
+
+
+def test_other_equations_in_the_same_folder_are_other_code(tmp_path):
+    kept = []
+    for count, stiffness in ((20, "k"), (1, "k"), (2, "k"), (2, "2*k"), (1, "k")):
+        model = dalembert.load(chain(count, stiffness))
+        compiled = model.compile(tmp_path)
+        y = np.linspace(0.1, 1, 2 * count)
+        for compute in ("rhs", "mass_matrix", "bias"):
+            assert np.array_equal(getattr(compiled, compute)(0.0, y), getattr(model.equations(), compute)(0.0, y)), compute
+        assert [path for path in tmp_path.iterdir() if path.suffix not in (".c", ".h")] == [compiled.library]
+        kept.append((compiled, y, compiled.rhs(0.0, y)))
+    # Those of before stay what they are.
+    for compiled, y, rate in kept:
+        assert np.array_equal(compiled.rhs(0.0, y), rate)
+
+
 @pytest.mark.parametrize("name", ["ladder", "rocking_block", "two_blocks"])
 def test_contacts_are_in_the_phase_of_the_start(name):
     model = dalembert.load(name)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import hashlib
 import os
 import re
 import shlex
@@ -36,11 +37,11 @@ _STATES = 8
 class Compiled:
     """Compiled equations of a scene: functions of a time t and a state y = (q, q') in SI units, as those of `Equations`."""
 
-    def __init__(self, folder: Path, prefix: str, sizes: dict[str, int], equations: Equations, kept: Any):
+    def __init__(self, library: Path, prefix: str, sizes: dict[str, int], equations: Equations, kept: Any):
         #: Where the C and the library are.
-        self.folder = folder
-        #: The shared library, whose functions NAME.h declares.
-        self.library = folder / f"{prefix}.so"
+        self.folder = library.parent
+        #: The shared library, whose functions NAME.h declares; its name has a part that other equations do not share.
+        self.library = library
         #: By how much accelerations differ from the interpreted ones, as a part of the largest; 0: they have the same bits.
         self.difference = 0.0
         self._kept = kept
@@ -132,17 +133,36 @@ def build(
     header = place / f"{prefix}.h"
     pattern = rf"^    {prefix.upper()}_([A-Z]+) = (\d+),"
     sizes = {name: int(size) for name, size in re.findall(pattern, header.read_text(encoding="utf-8"), re.MULTILINE)}
-    library = place / f"{prefix}.so"
-    sources = [str(place / name) for name in (f"{prefix}.c", "dalembert_core.c")]
-    done = subprocess.run([*command, *_FLAGS, "-o", str(library), *sources, "-lm"], capture_output=True, text=True)
-    if done.returncode != 0:
-        raise CompileError(f"{' '.join(command)} failed:\n{done.stderr}")
+    library = _library(place, prefix, command)
     equations = mechanism.equations(scene, set=set)
-    compiled = Compiled(place, prefix, sizes, equations, kept)
+    compiled = Compiled(library, prefix, sizes, equations, kept)
     compiled.difference = _difference(compiled, equations)
     if not compiled.difference <= _SAME:
         raise CompileError(f"compiled accelerations differ from interpreted ones by {compiled.difference:.1e} of the largest")
     return compiled
+
+
+def _library(place: Path, prefix: str, command: list[str]) -> Path:
+    """Compiles, and removes the library of what stood in the folder before.
+
+    A process that has loaded a library is given it again under its path, whatever is there by then: other code has another path.
+    """
+    line = [*command, *_FLAGS]
+    digest = hashlib.sha256("\0".join(line).encode())
+    for name in (f"{prefix}.h", f"{prefix}.c", "dalembert_core.h", "dalembert_core.c"):
+        digest.update((place / name).read_bytes())
+    library = place / f"{prefix}-{digest.hexdigest()[:16]}.so"
+    sources = [str(place / name) for name in (f"{prefix}.c", "dalembert_core.c")]
+    with tempfile.TemporaryDirectory(dir=place) as beside:
+        made = Path(beside, library.name)
+        done = subprocess.run([*line, "-o", str(made), *sources, "-lm"], capture_output=True, text=True)
+        if done.returncode != 0:
+            raise CompileError(f"{' '.join(command)} failed:\n{done.stderr}")
+        made.replace(library)
+    for other in place.iterdir():
+        if other != library and re.fullmatch(rf"{prefix}-[0-9a-f]{{16}}\.so", other.name):
+            other.unlink()
+    return library
 
 
 def _prefix(told: str) -> str:
