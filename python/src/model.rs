@@ -82,16 +82,18 @@ impl Model {
         self.description.inputs.iter().map(AsRef::as_ref).collect()
     }
 
-    /// (name, direction as SciPy has it, whether it does more than record) of each event.
+    /// (name, direction as SciPy has it, whether it does more than record, the phases in which it counts if not all) of each event.
     #[getter]
-    fn events(&self) -> Vec<(&str, i8, bool)> {
+    fn events(&self) -> Vec<(&str, i8, bool, Option<Vec<u32>>)> {
         let direction = |event: &Event| match event.direction {
             Direction::Rising => 1,
             Direction::Falling => -1,
             Direction::Both => 0,
         };
         let acts = |event: &Event| event.actions.iter().any(|action| *action != Action::Record);
-        self.description.events.iter().map(|event| (event.name.as_ref(), direction(event), acts(event))).collect()
+        let phases = |event: &Event| event.phases.as_ref().map(|phases| phases.to_vec());
+        let all = self.description.events.iter();
+        all.map(|event| (event.name.as_ref(), direction(event), acts(event), phases(event))).collect()
     }
 
     #[getter]

@@ -164,3 +164,36 @@ def test_accelerations_at_the_start_are_those_of_the_run(name):
     motion = model.simulate(until=1e-6, digits=False)
     rate = (motion.y[-1] - motion.y[0]) / motion.t[-1]
     assert np.allclose(equations.rhs(0, equations.y0), rate, atol=1e-3)
+
+
+def test_events_are_those_of_the_phase_where_their_condition_holds():
+    model = dalembert.load("eccentric_cylinder")
+    equations = model.equations()
+    found = solve_ivp(equations.rhs, equations.t_span, equations.y0, events=equations.events(), rtol=1e-9, atol=1e-9)
+    names = [event.__name__ for event, times in zip(equations.events(), found.t_events) if len(times)]
+    first = model.simulate(digits=False).events[0]
+    assert names == [first["name"]] == ["unloaded"] and found.t[-1] == pytest.approx(first["t"], rel=1e-6)
+
+
+FALL = """
+name: Fall
+parameters: {m: 1 kg, g: 10 m/s^2, h: 0.5 m, v: 1 m/s}
+coordinates: {x: m, y: m}
+bodies: {b: {mass: m, position: "[x, y]"}}
+gravity: [0, -g]
+events:
+  half: {when: y - h, direction: falling, if: x' - v, then: stop}
+  land: {when: y, direction: falling, then: stop}
+scene: {start: {y: 1, x': 0.5}, until: 1}
+"""
+
+
+@pytest.mark.parametrize(("speed", "event"), [(0.5, "land"), (2, "half")])
+def test_events_do_not_happen_where_their_condition_does_not_hold(speed, event):
+    model = dalembert.load(FALL)
+    equations = model.equations()
+    y0 = [0, 1, speed, 0]
+    found = solve_ivp(equations.rhs, (0, 1), y0, events=equations.events(), max_step=0.01, rtol=1e-9, atol=1e-9)
+    run = model.simulate(start={"x'": speed}, digits=False).events[0]
+    names = [event.__name__ for event, times in zip(equations.events(), found.t_events) if len(times)]
+    assert names == [run["name"]] == [event] and found.t[-1] == pytest.approx(run["t"], rel=1e-6)

@@ -19,7 +19,7 @@ class Model:
     parameters: list[tuple[str, str, float]]
     outputs: list[tuple[str, int, str]]
     inputs: list[str]
-    events: list[tuple[str, int, bool]]
+    events: list[tuple[str, int, bool, Optional[list[int]]]]
     scenes: list[str]
     phases: list[str]
     constraints: list[str]

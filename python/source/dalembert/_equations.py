@@ -58,14 +58,19 @@ class Equations:
         return self._y0
 
     def events(self) -> list[Callable[[float, ArrayLike], float]]:
-        """The event functions for `solve_ivp`, with `direction`; those that do more than record are `terminal`."""
-        return [self._event(place, *event) for place, event in enumerate(self._events)]
+        """Functions of the events that count in this phase for `solve_ivp`, with `direction`; those that do more than record are `terminal`.
+
+        Where the condition of an event is not > 0, its function is not a number, which `solve_ivp` takes for no passage through zero.
+        """
+        here = [phases is None or self.phase in phases for _, _, _, phases in self._events]
+        return [self._event(place, *self._events[place][:3]) for place, counts in enumerate(here) if counts]
 
     def _event(self, place: int, name: str, direction: int, acts: bool) -> Callable[[float, ArrayLike], float]:
         values = self.event_values
 
         def event(t: float, y: ArrayLike) -> float:
-            return float(values(t, y)[place, 0])
+            function, condition = values(t, y)[place]
+            return float(function) if condition > 0 else float("nan")
 
         event.__name__ = name
         event.terminal = acts  # type: ignore[attr-defined]
