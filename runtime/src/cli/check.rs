@@ -13,7 +13,7 @@ use dalembert_symbolic::number::DoubleDouble;
 use serde_json::Value;
 
 use super::json::{number, object, write};
-use super::load::{Loaded, ModelFile, derived_for_runs, sizes};
+use super::load::{Loaded, ModelFile, sizes};
 use super::{Context, Problem, freedoms, outputs, routh, symmetries};
 use crate::mechanism::{At, Balances, Interpreted, System};
 use crate::numbers::counted;
@@ -50,8 +50,7 @@ fn one(context: Context<'_>, name: &str, options: &ArgMatches, out: &mut dyn Wri
         return as_json(context, name, options, out);
     }
     let text = ModelFile::named(context, name, sizes(options)?)?;
-    let derived = derived_for_runs(&text.path, &text.source, &text.sizes);
-    let program = derived.map_err(|problems| text.problem(&problems))?;
+    let program = text.for_runs(context).map_err(|problems| text.problem(&problems))?;
     writeln!(out, "{}: {}", text.name, size_in_words(&program.model))?;
     for state in once_stated(&program) {
         writeln!(out, "  the rate of {state} is stated once: an `equation` in `balances` may state it again")?;
@@ -145,7 +144,7 @@ fn conserved(report: &Report) -> impl Iterator<Item = (&(String, f64), &Vec<Stri
 /// The report as one object; of a file with mistakes these, each with its place, before the command fails.
 fn as_json(context: Context<'_>, name: &str, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let text = ModelFile::named(context, name, sizes(options)?)?;
-    let program = match derived_for_runs(&text.path, &text.source, &text.sizes) {
+    let program = match text.for_runs(context) {
         Ok(program) => program,
         Err(problems) => {
             let wrong = text.problem(&problems);

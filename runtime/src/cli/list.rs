@@ -16,7 +16,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     let width = context.models.iter().map(|entry| entry.name.len()).max().unwrap_or(0);
     let mut all = Vec::new();
     for entry in context.models {
-        let model = load_in(folder(entry.path), entry.source, &[])
+        let model = load_in(folder(entry.path).as_deref(), entry.source, &[])
             .map_err(|problems| Problem::Model(file::render(entry.path, entry.source, &problems)))?;
         let n = model.mechanical();
         if options.get_flag("json") {

@@ -1,7 +1,7 @@
 //! Finding a model: one of the library by its name, compiled where the program has it so; or any file, by path, interpreted.
 
 use std::io::{IsTerminal, Read, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
@@ -55,6 +55,18 @@ impl ModelFile {
         Problem::Model(file::render(&self.path, &self.source, problems))
     }
 
+    /// The derived model as runs have it: that of the model that is kept, if it is this one.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn for_runs(&self, context: Context<'_>) -> Result<Program, Vec<diagnose::Problem>> {
+        let kept = context.kept(&self.name).filter(|kept| kept.source == self.source && kept.sizes == self.sizes);
+        match kept.and_then(Loaded::for_runs) {
+            Some(program) => Ok(program),
+            None => derived_for_runs(&self.path, &self.source, &self.sizes),
+        }
+    }
+
     fn read(models: &[Entry], name: &str, sizes: Vec<(String, i64)>) -> Result<ModelFile, Problem> {
         if name == "-" {
             let (name, path, source) = ("stdin".to_owned(), "-".to_owned(), standard_input()?);
@@ -105,6 +117,16 @@ pub struct Loaded {
     pub warnings: Vec<String>,
     /// What is interpreted.
     derived: Option<Arc<Program>>,
+    /// Where its tables' files were when it was loaded, wherever the process works later.
+    folder: Option<PathBuf>,
+    /// What would else be read from files again, where it outlives a command.
+    written: Option<Arc<Written>>,
+}
+
+/// A model with its names, and the files of its tables with their texts.
+struct Written {
+    model: Model,
+    tables: Vec<(PathBuf, String)>,
 }
 
 impl Loaded {
@@ -140,7 +162,8 @@ impl Loaded {
             let file = ModelFile { name, path, source, sizes };
             return Loaded::interpreted(&file).map_err(|problems| file.problem(&problems));
         }
-        Ok(Loaded { name, path, source, sizes, system: system(), warnings, derived: None })
+        let folder = folder(&path);
+        Ok(Loaded { name, path, source, sizes, system: system(), warnings, derived: None, folder, written: None })
     }
 
     /// Derives a model file.
@@ -151,8 +174,38 @@ impl Loaded {
         let ModelFile { name, path, source, sizes } = file;
         let program = derived_for_runs(path, source, sizes)?;
         let (name, path, source, sizes) = (name.clone(), path.clone(), source.clone(), sizes.clone());
-        let system = Box::new(Interpreted::new(program.clone(), &source));
-        Ok(Loaded { name, path, source, sizes, system, warnings: Vec::new(), derived: Some(Arc::new(program)) })
+        let (system, folder) = (Box::new(Interpreted::new(program.clone(), &source)), folder(&path));
+        let (derived, warnings) = (Some(Arc::new(program)), Vec::new());
+        Ok(Loaded { name, path, source, sizes, system, warnings, derived, folder, written: None })
+    }
+
+    /// Keeps what would else be read from files again.
+    ///
+    /// # Errors
+    /// What is wrong with them by now.
+    pub fn keep(&mut self) -> Result<(), Problem> {
+        if self.derived.as_ref().is_some_and(|program| !program.model.files.is_empty()) {
+            let model = self.model()?;
+            let tables = self.tables(&model)?;
+            self.written = Some(Arc::new(Written { model, tables }));
+        }
+        Ok(())
+    }
+
+    /// The files of its tables with their texts, as they were when it was loaded if it keeps them.
+    ///
+    /// # Errors
+    /// One cannot be read any more.
+    pub fn tables(&self, model: &Model) -> Result<Vec<(PathBuf, String)>, Problem> {
+        if let Some(written) = &self.written {
+            return Ok(written.tables.clone());
+        }
+        let read = |path: &PathBuf| {
+            let text = std::fs::read_to_string(path);
+            text.map(|text| (path.clone(), text))
+                .map_err(|e| Problem::File(format!("cannot read {}: {e}", path.display())))
+        };
+        model.files.iter().map(read).collect()
     }
 
     /// With all systems of balances, of which runs by Lagrange's equations need none.
@@ -178,6 +231,8 @@ impl Loaded {
             system: self.system.boxed_clone(),
             warnings: self.warnings.clone(),
             derived: self.derived.clone(),
+            folder: self.folder.clone(),
+            written: self.written.clone(),
         }
     }
 
@@ -192,7 +247,20 @@ impl Loaded {
 
     /// The model with its names, for reading expressions.
     pub fn model(&self) -> Result<Model, Problem> {
-        load_in(folder(&self.path), &self.source, &self.sizes).map_err(|problems| self.problem(&problems))
+        if let Some(written) = &self.written {
+            return Ok(written.model.clone());
+        }
+        load_in(self.folder.as_deref(), &self.source, &self.sizes).map_err(|problems| self.problem(&problems))
+    }
+
+    /// Where the files of its tables are.
+    pub fn folder(&self) -> Option<&Path> {
+        self.folder.as_deref()
+    }
+
+    /// The derived model as runs have it, if it was derived.
+    pub fn for_runs(&self) -> Option<Program> {
+        self.derived.as_deref().cloned()
     }
 
     /// What is wrong with it, to print.
@@ -203,12 +271,12 @@ impl Loaded {
 
 /// Derives a model; a terminal says so where that takes longer than [`PATIENCE`].
 pub fn derived(path: &str, source: &str, sizes: &[(String, i64)]) -> Result<Program, Vec<diagnose::Problem>> {
-    announced_on_terminals(path, || compile_in(folder(path), source, sizes))
+    announced_on_terminals(path, || compile_in(folder(path).as_deref(), source, sizes))
 }
 
 /// The same, with a large M left out where runs need none.
-pub fn derived_for_runs(path: &str, source: &str, sizes: &[(String, i64)]) -> Result<Program, Vec<diagnose::Problem>> {
-    announced_on_terminals(path, || compile_for_runs_in(folder(path), source, sizes))
+fn derived_for_runs(path: &str, source: &str, sizes: &[(String, i64)]) -> Result<Program, Vec<diagnose::Problem>> {
+    announced_on_terminals(path, || compile_for_runs_in(folder(path).as_deref(), source, sizes))
 }
 
 fn announced_on_terminals<T>(path: &str, work: impl FnOnce() -> T) -> T {
@@ -241,8 +309,9 @@ fn announced<T>(line: &mut (impl Write + Send), path: &str, patience: Duration, 
 }
 
 /// Where the files of a model's tables are: beside its own.
-pub fn folder(path: &str) -> Option<&Path> {
-    Path::new(path).parent()
+pub fn folder(path: &str) -> Option<PathBuf> {
+    let whole = std::path::absolute(path).unwrap_or_else(|_| PathBuf::from(path));
+    whole.parent().map(Path::to_owned)
 }
 
 /// The `--size` of a command line.

@@ -9,7 +9,7 @@ use dalembert_symbolic::model::Sets;
 use serde_json::{Value, json};
 
 use super::json::{self, number, object};
-use super::load::{Loaded, folder, pairs};
+use super::load::{Loaded, pairs};
 use super::plotted::parts;
 use super::set_up::{Reader, like_output, parameter_index};
 use super::{Context, Problem, outputs, value_files};
@@ -279,7 +279,7 @@ fn named(loaded: &mut Loaded, names: &str) -> Result<Named, Problem> {
 fn asked(loaded: &Loaded, options: &ArgMatches) -> NeedsRequest {
     NeedsRequest {
         sizes: loaded.sizes.clone(),
-        folder: folder(&loaded.path).map(Path::to_owned),
+        folder: loaded.folder().map(Path::to_owned),
         scene: options.get_one::<String>("scene").cloned(),
         all: options.try_get_one("all").ok().flatten().copied().unwrap_or(false),
         ..NeedsRequest::new(loaded.source.as_str())

@@ -102,11 +102,12 @@ impl Session {
 
     fn of(models: &'static [Entry], file: &ModelFile) -> Result<Session, LoadError> {
         let listed = |problems: &[diagnose::Problem]| json_text(&check::mistakes(&file.source, problems));
-        let kept = Loaded::interpreted(file).map_err(|problems| LoadError::Wrong {
+        let mut kept = Loaded::interpreted(file).map_err(|problems| LoadError::Wrong {
             text: file.problem(&problems).to_string(),
             path: file.path.clone(),
             problems: listed(&problems),
         })?;
+        kept.keep().map_err(LoadError::Unread)?;
         let found = kept.program().map_or_else(|_| Vec::new(), |program| program.model.warnings);
         let (warnings, warned) = (listed(&found), render(&file.path, &file.source, &found));
         Ok(Session { models, kept, warnings, warned })

@@ -42,10 +42,8 @@ impl Experiment {
         add("format".to_owned(), FORMAT.to_owned());
         add("program".to_owned(), env!("CARGO_PKG_VERSION").to_owned());
         add(MODEL.to_owned(), hash_of(&loaded.source));
-        for path in &reader.model(loaded)?.files {
+        for (path, text) in loaded.tables(reader.model(loaded)?)? {
             let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-            let text = std::fs::read_to_string(path)
-                .map_err(|e| Problem::File(format!("cannot read {}: {e}", path.display())))?;
             add(format!("table {name}"), hash_of(&text));
         }
         loaded.sizes.iter().for_each(|(name, size)| add(format!("size {name}"), size.to_string()));
