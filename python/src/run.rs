@@ -8,7 +8,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::background::guarded;
-use crate::problem::raised;
+use crate::problem::{made, raised};
 
 /// A motion that was computed; arrays are views of its memory.
 #[pyclass(frozen, module = "dalembert._dalembert")]
@@ -116,7 +116,7 @@ impl Run {
             let mut animation: Animation = self.run().animation();
             for name in &columns {
                 let chart = self.run().history(&[name]);
-                animation = animation.with_chart(chart.map_err(|error| PyValueError::new_err(error.to_string()))?);
+                animation = animation.with_chart(chart.map_err(|error| made(py, "UsageError", (error.to_string(),)))?);
             }
             Ok(animation.to_html())
         })

@@ -30,6 +30,11 @@ def test_a_text_and_a_file_are_the_same_model(tmp_path):
     assert len(ends) == 1
 
 
+@pytest.mark.parametrize("stated", ["# name: Old\nname: Swing", 'name: "Swing"', "'name': 'Swing'", "name : Swing # name: Old"])
+def test_a_text_goes_by_the_name_that_it_states(stated):
+    assert dalembert.load(TEXT.replace("name: Swing", stated)).name == "Swing"
+
+
 def test_sizes_are_other_sizes():
     assert len(dalembert.load("chain", sizes={"n": 7}).coordinates) == 7
 

@@ -125,6 +125,8 @@ def test_pictures_are_shown_in_notebooks(motion):
     assert "<svg" in motion._repr_html_()
     with pytest.raises(dalembert.UsageError):
         motion.figure("theta3")
+    with pytest.raises(dalembert.UsageError):
+        motion.animation("theta3")
 
 
 def test_a_picture_is_that_of_the_program(program, motion, tmp_path):
@@ -136,3 +138,10 @@ def test_a_picture_is_that_of_the_program(program, motion, tmp_path):
 
 def test_json_is_what_data_was_read_from(motion):
     assert json.loads(motion.json) == motion.data
+
+
+def test_columns_that_there_are_not_have_no_units_and_no_errors(motion):
+    assert motion.unit("t") == "s" and motion.unit("tip.x") == "m" and motion.errors("theta1").shape == motion.t.shape
+    for ask in (motion.unit, motion.errors, motion.__getitem__):
+        with pytest.raises(KeyError, match="theta3"):
+            ask("theta3")

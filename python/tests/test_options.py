@@ -5,6 +5,7 @@ import inspect
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import dalembert
@@ -83,3 +84,15 @@ def test_every_public_item_is_documented():
         assert inspect.getdoc(item), name
         members = [member for key, member in vars(item).items() if not key.startswith("_")] if inspect.isclass(item) else []
         assert all(inspect.getdoc(member) for member in members if callable(member) or isinstance(member, property)), name
+
+
+def test_an_array_of_one_number_is_a_number():
+    assert options(set={"m": np.array(2.0)}) == ["--set=m=2.0"] == options(set={"m": np.float64(2)})
+
+
+def test_values_that_are_no_numbers_are_usage_errors():
+    model = dalembert.load("double_pendulum")
+    assert model.equations(set={"m": np.array(2.0)}).rhs(0, [0, 0, 1, 1]) is not None
+    for ask in (model.equations, model.compile):
+        with pytest.raises(dalembert.UsageError, match="`m` is to be a number in SI units, not '2 kg'"):
+            ask(set={"m": "2 kg"})

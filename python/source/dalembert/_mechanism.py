@@ -34,7 +34,7 @@ def load(source: _Path, *, name: Optional[str] = None, sizes: Optional[Mapping[s
     """
     listed = list((sizes or {}).items())
     if isinstance(source, str) and ("\n" in source or "{" in source):
-        stated = re.search(r"^\W*name:\s*([A-Za-z_]\w*)", source, re.MULTILINE)
+        stated = re.search(r"""^[\s{]*["']?name["']?\s*:\s*["']?([A-Za-z_]\w*)""", source, re.MULTILINE)
         name = name or (stated.group(1) if stated else "model")
         return Mechanism(_dalembert.Model.of_text(name, source, listed))
     return Mechanism(_dalembert.Model.named(os.fspath(source), listed))
@@ -531,7 +531,7 @@ class Mechanism:
         `by` names a system of `balances` from which the accelerations come.
         """
         names = list(self.parameters)
-        changed = [(_place("parameter", name, names), float(value)) for name, value in (set or {}).items()]
+        changed = [(_place("parameter", name, names), _number(name, value)) for name, value in (set or {}).items()]
         place = 0 if scene is None else _place("scene", scene, self.scenes)
         mode = None if phase is None else _place("phase", phase, self.phases)
         system = None if by is None else _place("system of balances", by, self._model.derivations)
@@ -602,6 +602,13 @@ def _place(kind: str, name: str, known: Iterable[str]) -> int:
     near = difflib.get_close_matches(name, names, 1)
     hint = f"did you mean `{near[0]}`?" if near else f"there are {', '.join(names)}"
     raise _errors.UsageError(f"no {kind} is called `{name}`; {hint}")
+
+
+def _number(name: str, value: Any) -> float:
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise _errors.UsageError(f"`{name}` is to be a number in SI units, not {value!r}") from None
 
 
 def _table(given: Any, folder: str) -> Optional[str]:

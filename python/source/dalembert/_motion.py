@@ -79,7 +79,7 @@ class Motion(Mapping[str, _Array]):
 
     def unit(self, name: str) -> str:
         """The SI unit of a column; empty where it is a pure number."""
-        return self._run.unit(name)
+        return "s" if name == "t" else self._run.unit(self._known(name))
 
     @property
     def digits(self) -> Optional[dict[str, Optional[int]]]:
@@ -88,7 +88,13 @@ class Motion(Mapping[str, _Array]):
 
     def errors(self, name: str) -> Optional[_Array]:
         """Bounds of a column's errors at the reported times; None where they were not estimated."""
-        return self._run.errors(name)
+        return self._run.errors(self._known(name))
+
+    def _known(self, name: str) -> str:
+        """The name of a column; a KeyError if there is none."""
+        if name != "t" and name not in self._places:
+            raise KeyError(name)
+        return name
 
     @property
     def drift(self) -> dict[str, Optional[float]]:

@@ -27,6 +27,8 @@ def text_of(value: Any) -> str:
         return str(int(value))
     if isinstance(value, (float, np.floating)):
         return repr(float(value))
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        return text_of(value[()])
     if isinstance(value, Iterable):
         return ",".join(text_of(one) for one in value)
     raise TypeError(f"no option has a value of the type {type(value).__name__}")
