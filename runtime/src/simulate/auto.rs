@@ -58,10 +58,7 @@ pub(super) fn choose(settings: &Settings, system: &dyn System, y: &[f64]) -> Cho
     let structure = &description.structure;
     match settings.method {
         Method::Auto if settings.step.is_some() => because(Method::Rk4, "a step is given"),
-        Method::Auto if may_be_held(system, settings.from, y) => {
-            because(Method::Dop853, "it begins at rest where forces jump, which may hold it there")
-        }
-        Method::Auto if is_on_parabolas(settings, description) => {
+        Method::Auto if is_on_parabolas(settings, description) && !may_be_held(system, settings.from, y) => {
             because(Method::Verlet, "accelerations are constant, so that its parabolas are exact")
         }
         // The exponential's steps are no longer than what decays fastest, long after it is gone.
@@ -76,7 +73,9 @@ pub(super) fn choose(settings: &Settings, system: &dyn System, y: &[f64]) -> Cho
             let free = "linear with constant coefficients, for long enough";
             because(Method::Exact, if structure.time_dependent { driven } else { free })
         }
-        Method::Auto if structure.separable && description.rows.is_empty() => {
+        Method::Auto
+            if structure.separable && description.rows.is_empty() && !may_be_held(system, settings.from, y) =>
+        {
             because(Method::Rkn8, "M is constant and no force depends on speeds")
         }
         Method::Auto if settings.tolerance > LOOSE => because(Method::Dopri5, "the tolerance is loose"),
@@ -119,8 +118,8 @@ fn vibrates_unseen(settings: &Settings, system: &dyn System, y: &[f64]) -> bool 
     super::simulate(&mut *system.boxed_clone(), &trial).is_ok()
 }
 
-/// Whether a motion begins where the argument of a discontinuity and its rate are zero, and its sides accelerate differently: where both push back
-/// it stays, which methods for forces of places alone do not know.
+/// Whether a motion by forces of places alone begins where the argument of a discontinuity and its rate are zero, and its sides accelerate
+/// differently: where both push back it stays, which methods for such forces do not know.
 fn may_be_held(system: &dyn System, t: f64, y: &[f64]) -> bool {
     let (n, switches) = (system.len(), &system.description().switches);
     let mut side = system.boxed_clone();
