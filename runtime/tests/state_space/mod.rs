@@ -121,3 +121,52 @@ fn motions_that_are_not_reached_or_shown_are_named() {
     let script = run(&["modes", &masses.0, "--state-space", &path.replace(".csv", ".xls")]).expect_err("a refusal");
     assert!(script.contains("`.npz`"), "{script}");
 }
+
+/// m x'' = p + push − k x − c x' beside a filter of p, and a jet along (cos, sin) of a state and a held value, which are 0 and 0.75 at rest.
+#[test]
+fn forces_and_coordinates_are_inputs_beside_states_too() {
+    let pushed = File::new(
+        "pushed_state",
+        "name: Pushed\nparameters: {m: 2 kg, k: 8 N/m, c: 1 N*s/m, tau: 0.5 s, f: 3 N, g: 4 N}\n\
+         coordinates: {x: m, y: m}\nstates: {p: {unit: N, rate: \"-p/tau\"}}\nmemory: {beta: 0.25 rad}\n\
+         bodies: {b: {mass: m, position: \"[x, y]\"}}\npotential_energy: k*(x^2 + y^2)/2\ndampers: {d: {rate: x', damping: c}}\n\
+         forces: {motor: {on: b, force: \"[p, 0]\"}, push: {on: b, force: \"[f, g]\"}, \
+         jet: {on: b, force: \"[f*cos(beta), f*sin(beta)]\"}}\noutputs: {seen: x''}\nscene: {start: {x: 0}, until: 1}\n",
+    );
+    let found = written("pushed", &pushed.0, &["--in", "motor,push,jet,y", "--out", "seen,p", "--at", "beta=0.75"]);
+    assert_eq!(found["inputs"], serde_json::json!(["motor", "push", "jet", "a force on y"]));
+    assert_eq!(found["input_units"], serde_json::json!(["N", "N", "N", "N"]));
+    let (sine, cosine) = 0.75_f64.sin_cos();
+    let forces = [0.5, 0.0, 0.3, 0.4, 0.5 * cosine, 0.5 * sine, 0.0, 0.5];
+    let b = matrix(&found["B"]);
+    assert!((b.rows(2, 2) - DMatrix::from_column_slice(2, 4, &forces)).amax() < 1e-15, "{b}");
+    assert_eq!((b.rows(0, 2).amax(), b.row(4).amax()), (0.0, 0.0));
+    assert!((matrix(&found["D"]).row(0) - b.row(2)).amax() < 1e-15, "{}", found["D"]);
+    let path = std::env::temp_dir().join(format!("dalembert-{}-state.json", std::process::id()));
+    let refused = run(&["modes", &pushed.0, "--state-space", &path.to_string_lossy(), "--in", "p"]);
+    let refused = refused.expect_err("a state is pushed by nothing");
+    assert!(refused.contains("no input, force or coordinate is called `p`"), "{refused}");
+}
+
+/// A bob on a rod below a cart that rests at a right angle: (M, m) moved by forces along s and along x alone, M s'' = f + p and m l θ'' = f_x where
+/// the rod hangs straight down, x = s + l θ.
+#[test]
+fn forces_are_inputs_beside_states_and_constraints() {
+    let hanging = File::new(
+        "hanging_state",
+        "name: Hanging\nparameters: {m: 2 kg, M: 3 kg, l: 1 m, tau: 0.5 s, g: 10 m/s^2, k: 8 N/m, f: 0 N}\n\
+         coordinates: {x: m, y: m, s: m}\nstates: {p: {unit: N, rate: -p/tau}}\n\
+         bodies: {cart: {mass: M, position: \"[s, 0]\"}, bob: {mass: m, position: \"[x, y]\"}}\ngravity: [0, -g]\n\
+         springs: {spring: {stretch: s, stiffness: k}}\nconstraints: {rod: (x - s)^2 + y^2 - l^2}\n\
+         forces: {motor: {on: cart, force: \"[p, 0]\"}, push: {on: bob, force: \"[f, 0]\"}}\n\
+         outputs: {pull: reaction(rod)}\nscene: {start: {x: 0, y: -1, s: 0}, until: 1}\n",
+    );
+    let found = written("hanging", &hanging.0, &["--in", "motor,push,s", "--out", "x,p"]);
+    assert_eq!(found["states"], serde_json::json!(["x", "s", "x'", "s'", "p"]));
+    // The rod's height changes by second order only: to first order each mass takes its own force.
+    let expected = DMatrix::from_row_slice(2, 3, &[0.0, 0.5, 0.0, 1.0 / 3.0, 0.0, 1.0 / 3.0]);
+    assert!((matrix(&found["B"]).rows(2, 2) - expected).amax() < 1e-14, "{}", found["B"]);
+    // 2 y λ = m g − f_y at y = −1.
+    let pulled = written("pulled", &hanging.0, &["--in", "y", "--out", "pull"]);
+    assert!((matrix(&pulled["D"])[0] - 0.5).abs() < 1e-14, "{}", pulled["D"]);
+}

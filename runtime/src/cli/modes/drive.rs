@@ -15,7 +15,7 @@ use super::super::set_up::Reader;
 use super::super::{Problem, outputs};
 use super::failed;
 use super::model::Model;
-use super::shaken::{Shaken, named};
+use super::shaken::{Shakeable, Shaken, named};
 use crate::linear::{Linearised, Mode, Peak, Response, Steady, short, short_beside, short_within, turned};
 use crate::numbers::spaced;
 
@@ -400,7 +400,7 @@ fn drive(loaded: &Loaded, options: &ArgMatches, reader: &mut Reader, model: Mode
         let (text, phase) = text.split_once('<').map_or((text.as_str(), None), |(text, phase)| (text, Some(phase)));
         let (name, amplitude) = text.split_once('=').map_or((text.trim(), "1"), |(name, value)| (name.trim(), value));
         model.can_move(name).map_err(failed)?;
-        let (Shaken { drive, label, per }, sets) = named(loaded, reader, linear, name)?;
+        let (Shaken { drive, label, per }, sets) = named(loaded, reader, &Shakeable::of(linear), name)?;
         let size = reader.value(loaded, "drive", sets, amplitude)?;
         let phase = phase.map_or(Ok(0.0), |text| angle(loaded, reader, text))?;
         let times = if size == 1.0 { String::new() } else { format!("{} times ", short(size)) };

@@ -9,7 +9,7 @@ use super::super::Problem;
 use super::super::load::Loaded;
 use super::super::set_up::{Reader, unknown};
 use super::state_space::input_unit;
-use crate::linear::{Drive, Linearised, Source, force_unit};
+use crate::linear::{Drive, Guess, Linearised, Source, force_unit};
 use crate::show::has_units;
 
 /// A drive of size 1, in words and with its unit.
@@ -22,43 +22,79 @@ pub struct Shaken {
     pub per: String,
 }
 
+/// What can be shaken of a linear model, and where it rests.
+pub struct Shakeable {
+    /// Its inputs, and the coordinates of the file.
+    inputs: Vec<String>,
+    coordinates: Vec<String>,
+    at: Guess,
+}
+
+impl Shakeable {
+    /// Of small motions by M, C and K.
+    pub fn of(linear: &Linearised) -> Shakeable {
+        let at = &linear.equilibrium;
+        Shakeable { inputs: linear.inputs.clone(), coordinates: at.coordinates.clone(), at: at.as_guess() }
+    }
+
+    /// Of small motions with states of first order, whose inputs are all of the model's.
+    #[cfg(feature = "modal")]
+    pub fn of_states(loaded: &Loaded, found: &crate::linear::StateSpace) -> Shakeable {
+        let inputs = loaded.system.description().inputs.iter().map(ToString::to_string).collect();
+        Shakeable { inputs, coordinates: found.coordinates.clone(), at: found.rest().clone() }
+    }
+
+    /// The input or coordinate of this name; an input first.
+    fn source(&self, name: &str) -> Option<Source> {
+        let at = |names: &[String]| names.iter().position(|known| known == name);
+        at(&self.inputs).map(Source::Input).or_else(|| at(&self.coordinates).map(Source::Force))
+    }
+}
+
 /// What shakes under this name, and what a size of it sets.
-pub fn named(loaded: &Loaded, reader: &mut Reader, linear: &Linearised, name: &str) -> Result<(Shaken, Sets), Problem> {
-    match linear.source(name) {
+pub fn named(
+    loaded: &Loaded,
+    reader: &mut Reader,
+    shakeable: &Shakeable,
+    name: &str,
+) -> Result<(Shaken, Sets), Problem> {
+    match shakeable.source(name) {
         Some(source @ Source::Input(input)) => {
             let per = input_unit(loaded, reader, name)?;
-            Ok((Shaken { drive: source.into(), label: name.to_owned(), per }, Sets::Input(input)))
+            let known = &loaded.system.description().inputs;
+            let place = known.iter().position(|known| **known == *name).unwrap_or(input);
+            Ok((Shaken { drive: source.into(), label: name.to_owned(), per }, Sets::Input(place)))
         }
         Some(source @ Source::Force(coordinate)) => {
             let unit = &loaded.system.description().coordinates[coordinate].unit;
             let (label, per) = (format!("a force on {name}"), force_unit(unit));
             Ok((Shaken { drive: source.into(), label, per }, Sets::ForceOn(coordinate)))
         }
-        None => load(loaded, reader, linear, name),
+        None => load(loaded, reader, shakeable, name),
     }
 }
 
 /// A force of 1 N, or a couple of 1 N m, along the direction of an entry of the file.
-fn load(loaded: &Loaded, reader: &mut Reader, linear: &Linearised, name: &str) -> Result<(Shaken, Sets), Problem> {
+fn load(loaded: &Loaded, reader: &mut Reader, shakeable: &Shakeable, name: &str) -> Result<(Shaken, Sets), Problem> {
     let model = reader.model(loaded)?;
     let Some(push) = unit_push(model, name) else {
         let pushes = model.loads.iter().filter(|load| load.work == Work::Pushes).map(|load| load.name.as_str());
-        let known = linear.inputs.iter().map(String::as_str).chain(pushes);
+        let known = shakeable.inputs.iter().map(String::as_str).chain(pushes);
         return Err(unknown(
             "input, force or coordinate",
             name,
-            known.chain(linear.equilibrium.coordinates.iter().map(String::as_str)),
+            known.chain(shakeable.coordinates.iter().map(String::as_str)),
         ));
     };
     let size = push.given.len();
-    let values = values(loaded, linear, &push);
+    let values = values(loaded, &shakeable.at, &push);
     let (given, along) = values.split_at(size);
     let Some(direction) = direction(&push, given) else {
         return Err(Problem::Run(format!(
             "`{name}` vanishes at the equilibrium, where its direction is not known; put an input into it, and drive by that"
         )));
     };
-    let n = linear.equilibrium.q.len();
+    let n = along.len() / size;
     let parts = (0..n).map(|i| (0..size).map(|k| direction[k] * along[k * n + i]).sum::<f64>());
     let parts = parts.enumerate().filter(|(_, q)| *q != 0.0);
     let parts = parts.map(|(i, q)| (Source::Force(i), Complex::from(q))).collect();
@@ -73,13 +109,16 @@ fn load(loaded: &Loaded, reader: &mut Reader, linear: &Linearised, name: &str) -
 }
 
 /// The entry's components, and the generalized forces of each axis, at the equilibrium.
-fn values(loaded: &Loaded, linear: &Linearised, push: &UnitPush) -> Vec<f64> {
-    let (at, parameters) = (&linear.equilibrium, loaded.system.parameters());
+fn values(loaded: &Loaded, at: &Guess, push: &UnitPush) -> Vec<f64> {
+    let (parameters, memory) = (loaded.system.parameters(), loaded.system.memory());
     let get = |list: &[f64], i: u32| list.get(i as usize).copied().unwrap_or(0.0);
+    let first_state = loaded.system.description().mechanical() as u32;
     let phase = loaded.system.phase() as u32;
     let value = |symbol: Symbol| match symbol {
         Symbol::Coordinate(i) => get(&at.q, i),
         Symbol::Speed(i) => get(&at.v, i),
+        Symbol::State(j) => get(&at.v, first_state + j),
+        Symbol::Memory(j) => get(memory, j),
         Symbol::Parameter(i) => get(&parameters, i),
         Symbol::Input(i, 0) => get(&at.inputs, i),
         Symbol::Phase(k) => f64::from(u8::from(k == phase)),

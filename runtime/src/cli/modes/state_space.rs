@@ -16,7 +16,7 @@ use super::super::set_up::Reader;
 use super::super::{Problem, outputs};
 use super::failed;
 use super::model::Model;
-use super::shaken::{Shaken, named};
+use super::shaken::{Shakeable, Shaken, named};
 use crate::linear::{
     InputOutput, LinearError, Linearised, NamedDrive, Source, Unreached, linearise_instant, short_beside,
 };
@@ -39,7 +39,7 @@ pub fn of_model(
     let mut drives = Vec::new();
     for name in inputs(loaded, options) {
         model.can_move(&name).map_err(failed)?;
-        let (Shaken { drive, label, per }, _) = named(loaded, reader, model.linear(), &name)?;
+        let (Shaken { drive, label, per }, _) = named(loaded, reader, &Shakeable::of(model.linear()), &name)?;
         drives.push(NamedDrive { drive, name: label, unit: per });
     }
     let answers = answers(loaded, options)?;
@@ -56,14 +56,14 @@ pub fn of_states(
     reader: &mut Reader,
     found: &crate::linear::StateSpace,
 ) -> Result<InputOutput, Problem> {
-    let mut chosen = Vec::new();
+    let (mut drives, shakeable) = (Vec::new(), Shakeable::of_states(loaded, found));
     for name in inputs(loaded, options) {
-        let place = input_place(loaded, &name)?;
-        chosen.push((place, input_unit(loaded, reader, &name)?));
+        let (Shaken { drive, label, per }, _) = named(loaded, reader, &shakeable, &name)?;
+        drives.push(NamedDrive { drive, name: label, unit: per });
     }
     let answers = answers(loaded, options)?;
     let answers: Vec<&str> = answers.iter().map(String::as_str).collect();
-    found.input_output(&*loaded.system, &chosen, &answers).map_err(failed)
+    found.input_output(&*loaded.system, &drives, &answers).map_err(failed)
 }
 
 /// The same of small departures from a motion at an instant.

@@ -17,11 +17,11 @@ use super::Guess;
 use super::candidate::{Candidate, Departures};
 use super::least_steps::{BALANCED, Rest};
 use crate::linear::constrained::Inputs;
-use crate::linear::forced::{named_answers, rated};
+use crate::linear::forced::{Pushed, named_answers, rated, together};
 use crate::linear::matrices::balanced;
-use crate::linear::modes::graded_modes;
-use crate::linear::{FirstOrder, InputOutput, LinearError, Residual, first_order_modes};
-use crate::mechanism::{Coordinate, HIDDEN, System, rate_name};
+use crate::linear::modes::{doubted_modes, graded_modes};
+use crate::linear::{Drive, FirstOrder, InputOutput, LinearError, NamedDrive, Residual, Source};
+use crate::mechanism::{Coordinate, Description, HIDDEN, System, rate_name};
 use crate::show::unit;
 
 /// A rest, or a steady motion, of a mechanism with states of first order, and its small departures x' = A x + B u.
@@ -53,9 +53,7 @@ pub struct StateSpace {
     pub analysis: FirstOrder,
     /// The unit of each variable in the analysis, a power of 2.
     scales: Vec<f64>,
-    /// The places of `inputs` among (u, u', u'') of the inputs that can move.
-    acting: Vec<usize>,
-    /// The places of these.
+    /// The places of the inputs that can move.
     moving: Vec<usize>,
     /// Inputs that cannot move by themselves, and why: constraints would contradict each other, or follow an input and not its rate.
     pub immovable: Vec<(String, LinearError)>,
@@ -95,23 +93,19 @@ impl StateSpace {
         &self.guess
     }
 
-    /// x' = A x + B u and y = C x + D u of these inputs, by their places and with their units, and of answers by name: coordinates, rates,
-    /// states, outputs.
+    /// x' = A x + B u and y = C x + D u of these drives, whose inputs are those of the model by their places, and of answers by name:
+    /// coordinates, rates, states, outputs.
     ///
     /// # Errors
-    /// As [`observe`](crate::linear::observe).
+    /// As [`observe`](crate::linear::observe); [`LinearError::ReactionToForce`], [`LinearError::OutOfPhase`], and why an input cannot move.
     pub fn input_output<S: System + ?Sized>(
         &self,
         system: &S,
-        inputs: &[(usize, String)],
+        drives: &[NamedDrive],
         answers: &[&str],
     ) -> Result<InputOutput, LinearError> {
         let description = system.description();
-        let asked =
-            |(name, _): &&(String, LinearError)| inputs.iter().any(|(place, _)| *description.inputs[*place] == **name);
-        if let Some((_, why)) = self.immovable.iter().find(asked) {
-            return Err(why.clone());
-        }
+        let drives = self.among_moving(description, drives)?;
         let mut here = Candidate::new(system, &self.guess)?;
         here.set(&self.unknowns);
         let all = self.motions.ncols();
@@ -119,13 +113,10 @@ impl StateSpace {
         let names = named_answers(description, answers);
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         let seen = here.observe(description, &names)?;
-        let chosen = inputs.iter().flat_map(|(place, unit)| {
-            let own = self.acting.iter().enumerate().filter(move |(_, k)| self.moving[*k / 3] == *place);
-            own.map(move |(column, k)| (column, *k, unit))
-        });
-        let chosen: Vec<(usize, usize, &String)> = chosen.collect();
-        let b = self.input.select_columns(&chosen.iter().map(|(column, ..)| *column).collect::<Vec<_>>());
-        let direct = seen.input.select_columns(&chosen.iter().map(|(_, k, _)| *k).collect::<Vec<_>>());
+        let whole = self.motions.nrows();
+        let Pushed { inputs, forces, direct } =
+            Pushed::by(&drives, [&here.inputs()?.forces, &DMatrix::identity(whole, whole)], &seen)?;
+        let b = here.departures(&forces)?.drive;
         // Rows of A from n on are those of all accelerations, hidden ones among them.
         let mut c = &seen.acceleration * self.matrix.rows(n, all);
         c.columns_mut(0, n).add_assign(&seen.place.columns(0, n));
@@ -136,7 +127,7 @@ impl StateSpace {
         };
         Ok(InputOutput {
             states: self.variables.iter().map(|name| [name.clone(), unit(description, name)]).collect(),
-            inputs: chosen.iter().map(input).collect(),
+            inputs,
             outputs: seen.named().into_iter().map(|[name, unit]| [shown(&name), unit]).collect(),
             a: self.matrix.clone(),
             b,
@@ -149,6 +140,35 @@ impl StateSpace {
     pub fn shapes(&self) -> Vec<Vec<nalgebra::Complex<f64>>> {
         let whole = |shape: &nalgebra::DVector<nalgebra::Complex<f64>>| {
             let mut all: Vec<_> = shape.iter().zip(&self.scales).map(|(x, scale)| x * *scale).collect();
+    /// These drives, whose inputs are counted among all of the model, with inputs counted among those that can move.
+    ///
+    /// # Errors
+    /// Why one cannot; [`LinearError::WrongSize`] of an input or a coordinate that does not exist.
+    fn among_moving(&self, description: &Description, drives: &[NamedDrive]) -> Result<Vec<NamedDrive>, LinearError> {
+        let source = |source: Source| match source {
+            Source::Input(place) => {
+                let expected = description.inputs.len();
+                let wrong = LinearError::WrongSize { what: "the input's index", given: place, expected };
+                let name = description.inputs.get(place).ok_or(wrong.clone())?;
+                if let Some((_, why)) = self.immovable.iter().find(|(input, _)| *input == **name) {
+                    return Err(why.clone());
+                }
+                self.moving.iter().position(|known| *known == place).map(Source::Input).ok_or(wrong)
+            }
+            Source::Force(i) if i >= self.coordinates.len() => {
+                let expected = self.coordinates.len();
+                Err(LinearError::WrongSize { what: "the coordinate's index", given: i, expected })
+            }
+            Source::Force(_) => Ok(source),
+        };
+        let moved = |named: &NamedDrive| {
+            let parts = named.drive.parts.iter().map(|(what, amplitude)| Ok((source(*what)?, *amplitude)));
+            let parts = parts.collect::<Result<_, LinearError>>()?;
+            Ok(NamedDrive { drive: Drive { parts }, ..named.clone() })
+        };
+        drives.iter().map(moved).collect()
+    }
+
             let largest = all.iter().copied().max_by(|a, b| a.norm().total_cmp(&b.norm()));
             if let Some(largest) = largest.filter(|x| x.norm() > 0.0) {
                 all.iter_mut().for_each(|x| *x /= largest);
@@ -224,7 +244,6 @@ impl Search {
             analysis: if self.at.is_free() { graded_modes(&balanced)? } else { first_order_modes(&balanced)? },
             matrix,
             inputs: acting.iter().map(|k| rated(&known[moving[k / 3]], "", k % 3)[0].clone()).collect(),
-            acting,
             moving,
             immovable,
             guess: self.at.guess(&self.held),

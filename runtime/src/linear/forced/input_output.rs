@@ -96,23 +96,11 @@ impl Linearised {
     pub fn input_output(&self, drives: &[NamedDrive], observed: &Observed) -> Result<InputOutput, LinearError> {
         let (n, p) = (self.len(), observed.names.len());
         let factor = cholesky(&self.m()).map_err(|i| self.singular(i))?;
-        let (mut inputs, mut forces, mut direct) = (Vec::new(), Vec::new(), Vec::new());
-        for NamedDrive { drive, name, unit } in drives {
+        for NamedDrive { drive, .. } in drives {
             self.check_drive(drive)?;
-            if drive.parts.iter().any(|(_, amplitude)| amplitude.im != 0.0) {
-                return Err(LinearError::OutOfPhase { drive: name.clone() });
-            }
-            observed.admits(drive)?;
-            for order in 0..3 {
-                let force = pushed(drive, order, (&self.input.to_dense(), &self.forces.to_dense()));
-                let answer = pushed(drive, order, (&observed.input, &observed.force));
-                if order == 0 || force.iter().chain(&answer).any(|x| *x != 0.0) {
-                    forces.push(force);
-                    direct.push(answer);
-                    inputs.push(rated(name, unit, order));
-                }
-            }
         }
+        let Pushed { inputs, forces, direct } =
+            Pushed::by(drives, [&self.input.to_dense(), &self.forces.to_dense()], observed)?;
         let moved = solve_cholesky(&factor, &together(n, &forces));
         let a = self.state_matrix()?;
         let mut b = DMatrix::zeros(2 * n, inputs.len());
@@ -124,6 +112,46 @@ impl Linearised {
         let units = self.coordinates.iter().zip(&self.units);
         let states = (0..2).flat_map(|order| units.clone().map(move |(name, unit)| rated(name, unit, order))).collect();
         Ok(InputOutput { states, inputs, outputs: observed.named(), a, b, c, d })
+    }
+}
+
+/// What drives do, and their rates where these act.
+pub(in crate::linear) struct Pushed {
+    /// Names and units.
+    pub inputs: Vec<[String; 2]>,
+    /// The forces of each.
+    pub forces: Vec<DVector<f64>>,
+    /// What each adds to the answers by itself.
+    pub direct: Vec<DVector<f64>>,
+}
+
+impl Pushed {
+    /// By the forces of (u, u', u'') of inputs and those of generalized forces.
+    ///
+    /// # Errors
+    /// [`LinearError::OutOfPhase`], [`LinearError::ReactionToForce`].
+    pub fn by(
+        drives: &[NamedDrive],
+        [by_input, by_force]: [&DMatrix<f64>; 2],
+        observed: &Observed,
+    ) -> Result<Pushed, LinearError> {
+        let mut found = Pushed { inputs: Vec::new(), forces: Vec::new(), direct: Vec::new() };
+        for NamedDrive { drive, name, unit } in drives {
+            if drive.parts.iter().any(|(_, amplitude)| amplitude.im != 0.0) {
+                return Err(LinearError::OutOfPhase { drive: name.clone() });
+            }
+            observed.admits(drive)?;
+            for order in 0..3 {
+                let force = pushed(drive, order, (by_input, by_force));
+                let answer = pushed(drive, order, (&observed.input, &observed.force));
+                if order == 0 || force.iter().chain(&answer).any(|x| *x != 0.0) {
+                    found.forces.push(force);
+                    found.direct.push(answer);
+                    found.inputs.push(rated(name, unit, order));
+                }
+            }
+        }
+        Ok(found)
     }
 }
 
@@ -141,7 +169,7 @@ fn pushed(drive: &Drive, order: usize, (input, force): (&DMatrix<f64>, &DMatrix<
 }
 
 /// Columns as a matrix of so many rows.
-fn together(rows: usize, columns: &[DVector<f64>]) -> DMatrix<f64> {
+pub(in crate::linear) fn together(rows: usize, columns: &[DVector<f64>]) -> DMatrix<f64> {
     DMatrix::from_fn(rows, columns.len(), |i, k| columns[k][i])
 }
 

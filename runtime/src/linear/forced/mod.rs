@@ -23,9 +23,9 @@ pub(crate) use drive::turned;
 pub use drive::{Drive, Source, Steady};
 pub use harmonic::{Harmonic, beat};
 pub use initial_value::{Motion, solvemode, solvenorm, solvenum};
-#[cfg(feature = "modal")]
-pub(in crate::linear) use input_output::rated;
 pub use input_output::{InputOutput, NamedDrive, Unreached};
+#[cfg(feature = "modal")]
+pub(in crate::linear) use input_output::{Pushed, rated, together};
 pub use instant::linearise_instant;
 pub use measured::{Measured, measure};
 #[cfg(feature = "modal")]

@@ -149,7 +149,7 @@ impl Observed {
     }
 
     /// Refuses reactions to generalized forces: they depend on where a force acts, which a generalized one does not say.
-    pub(super) fn admits(&self, drive: &Drive) -> Result<(), LinearError> {
+    pub(in crate::linear) fn admits(&self, drive: &Drive) -> Result<(), LinearError> {
         let forced = drive.parts.iter().any(|(source, _)| matches!(source, Source::Force(_)));
         match self.of_reactions.iter().position(|of_reactions| *of_reactions).filter(|_| forced) {
             Some(row) => Err(LinearError::ReactionToForce { answer: self.names[row].clone() }),
