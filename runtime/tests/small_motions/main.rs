@@ -7,6 +7,7 @@ mod first_order;
 mod rests;
 mod rolling;
 mod rotations;
+mod sampled;
 mod steady;
 mod trim;
 

@@ -98,12 +98,29 @@ fn table(name: &str, found: &SampledLoop, system: &dyn System, out: &mut dyn Wri
             )?;
         }
     }
+    stability(found, out)?;
+    thresholds(found, system, out)
+}
+
+/// Whether departures die out, and what does so at no period.
+fn stability(found: &SampledLoop, out: &mut dyn Write) -> Result<(), Problem> {
     writeln!(
         out,
         "stability: {}",
-        if found.is_stable() { "departures die out" } else { "some departures do not die out" }
+        match (found.is_stable(), found.grows()) {
+            (true, _) => "departures die out",
+            (false, true) => "some departures do not die out",
+            (false, false) => "some departures do not die out: some |z| is 1, to rounding",
+        }
     )?;
-    thresholds(found, system, out)?;
+    if !found.alone.is_empty() {
+        let alone: Vec<String> = found.alone.iter().filter(|s| s.im >= 0.0).map(|s| complex(*s)).collect();
+        writeln!(
+            out,
+            "  |z| is 1 whatever the period of motions e^(st) that nothing damps and ticks do not move, or do not see: s = {} 1/s",
+            alone.join(", ")
+        )?;
+    }
     Ok(())
 }
 
@@ -112,12 +129,21 @@ fn thresholds(found: &SampledLoop, system: &dyn System, out: &mut dyn Write) -> 
     let at = |factor: f64| {
         periods(system).iter().map(|every| format!("{:?} s", factor * every)).collect::<Vec<_>>().join(", ")
     };
+    let other = if found.alone.is_empty() { "" } else { " other" };
     match found.critical_factor {
-        Some(factor) => writeln!(out, "  some |z| is 1 from a period of {} on", at(factor))?,
-        None => writeln!(out, "  no period was found from which on some |z| is 1")?,
+        Some(factor) => writeln!(out, "  some{other} |z| is 1 from a period of {} on", at(factor))?,
+        None => writeln!(out, "  no period was found from which on some{other} |z| is 1")?,
+    }
+    if let Some([least, most]) = found.looked_in_part() {
+        writeln!(
+            out,
+            "  (looked for closely from {} to {}; beyond, narrow windows may be missed)",
+            at(least),
+            at(most)
+        )?;
     }
     if let Some(factor) = found.least_factor {
-        writeln!(out, "  some |z| is 1 from a period of {} down", at(factor))?;
+        writeln!(out, "  some{other} |z| is 1 from a period of {} down", at(factor))?;
     }
     if found.critical_factor.or(found.least_factor).is_none() {
         return Ok(());
@@ -175,11 +201,13 @@ fn as_json(name: &str, found: &SampledLoop, system: &dyn System, warnings: &[Str
         ("map", matrix(&found.matrix)),
         ("z", found.multipliers.iter().map(pair).collect::<Vec<_>>().into()),
         ("forgotten", json!(found.forgotten)),
+        ("alone", found.alone.iter().map(pair).collect::<Vec<_>>().into()),
         ("s", found.exponents.iter().map(pair).collect::<Vec<_>>().into()),
         ("aliased", json!(found.aliased())),
         ("stable", json!(found.is_stable())),
         ("critical_periods", times(found.critical_factor)),
         ("least_periods", times(found.least_factor)),
+        ("looked_factors", found.looked.iter().map(|factor| number(*factor)).collect::<Vec<_>>().into()),
         ("varied", json!(found.varied)),
     ];
     object(entries.into_iter().chain(warned))

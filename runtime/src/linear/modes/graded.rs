@@ -85,7 +85,10 @@ fn equilibrated(a: &DMatrix<f64>) -> (DMatrix<f64>, [Vec<f64>; 2]) {
 }
 
 /// An orthonormal basis of what A takes to 0.
-fn kernel(a: &DMatrix<f64>) -> Result<DMatrix<f64>, LinearError> {
+///
+/// # Errors
+/// [`LinearError::NoConvergence`].
+pub(crate) fn kernel(a: &DMatrix<f64>) -> Result<DMatrix<f64>, LinearError> {
     let n = a.nrows();
     let (scaled, [_, columns]) = equilibrated(a);
     let threshold = Scaled::threshold(n, scaled.norm());

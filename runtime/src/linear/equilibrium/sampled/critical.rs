@@ -1,31 +1,33 @@
 //! Periods at which a sampled loop begins to be unstable.
 
+use super::crossing::{Walk, grows};
 use super::cycle::Cycle;
 use super::rest::Search;
-use super::{Law, at_rest, eigenvalues};
+use super::{Flow, at_rest};
 use crate::linear::equilibrium::Guess;
 use crate::mechanism::{System, is_of_noise};
 
 /// Periods are looked at from this part of the present ones on, at which a loop is as good as continuous.
-const SHORTEST_PERIOD: f64 = 1e-3;
+pub(super) const SHORTEST_PERIOD: f64 = 1e-3;
 /// Up to so many times the present ones: nobody samples a loop so much less often than it was made for.
-const LONGEST_PERIOD: f64 = 1e4;
-/// Each is so many times the one before: an eigenvalue seldom passes |z| = 1 and comes back between two of them.
-const NEXT_PERIOD: f64 = 1.01;
-/// Eigenvalues this near to 1 are those of what stays where it is, whatever the period.
-const NEUTRAL: f64 = 1e-9;
+pub(super) const LONGEST_PERIOD: f64 = 1e4;
+/// So many steps between periods are halved each way for a map of one variable, and fewer for more of them: together they cost a second.
+const HALVINGS: usize = 20_000;
+/// The square of how many variables make a map cost twice as much.
+const DOUBLE_COST: usize = 20;
 /// Periods are looked for where no more ticks than this are in a cycle: each costs an exponential.
 const MOST_SEARCHED: usize = 100;
 /// Parameters are doubled to see which periods they double or halve: both are exact.
 const DOUBLED: f64 = 2.0;
 
 /// Factors of all periods at which stability changes, and what is multiplied with them.
-#[derive(Default)]
 pub(super) struct Critical {
     /// From which on longer periods are unstable.
     pub longer: Option<f64>,
     /// From which down shorter periods are unstable.
     pub shorter: Option<f64>,
+    /// Between which factors these were looked for.
+    pub looked: [f64; 2],
     pub varied: Vec<String>,
 }
 
@@ -53,37 +55,33 @@ impl<'a> Varying<'a> {
         Varying { system, cycle, guess, memory: rest.memory.clone(), followers }
     }
 
-    /// The factors nearest to 1 at which stability changes, of a loop with this law.
-    pub fn critical(&self, law: &Law) -> Critical {
+    /// The factors nearest to 1 at which stability changes, of a loop with this flow.
+    pub fn critical(&self, flow: &Flow) -> Critical {
         let known = &self.system.description().parameters;
         let varied = self.followers.iter().map(|follower| known[follower.place].name.to_string()).collect();
-        if self.cycle.instants.len() > MOST_SEARCHED {
-            return Critical { varied, ..Critical::default() };
-        }
-        let growth = |factor: f64| match self.followers.is_empty() || factor == 1.0 {
-            true => self.growth(law, factor),
-            false => self.growth(&self.law(factor)?, factor),
+        let n = flow.field.nrows();
+        let here = flow.without_alone();
+        let spectrum = |factor: f64| match self.followers.is_empty() || factor == 1.0 {
+            true => here.as_ref()?.0.spectrum(self.cycle, factor),
+            false => self.flow(factor)?.without_alone()?.0.spectrum(self.cycle, factor),
         };
-        let above = first_change(growth, NEXT_PERIOD, LONGEST_PERIOD);
-        let below = first_change(growth, NEXT_PERIOD.recip(), SHORTEST_PERIOD);
-        match growth(1.0).is_some_and(|growth| growth < 0.0) {
-            true => Critical { longer: above, shorter: below, varied },
-            false => Critical { longer: below, shorter: above, varied },
+        let halvings = HALVINGS / (1 + n * n / DOUBLE_COST);
+        let walk = |last: f64| Walk::of(&spectrum, halvings).to(last);
+        let now = if self.cycle.instants.len() > MOST_SEARCHED { None } else { spectrum(1.0) };
+        let Some(now) = now else { return Critical { longer: None, shorter: None, looked: [1.0, 1.0], varied } };
+        let [above, below] = [walk(LONGEST_PERIOD), walk(SHORTEST_PERIOD)];
+        let looked = [below.reached, above.reached];
+        match grows(&now) {
+            false => Critical { longer: above.changed, shorter: below.changed, looked, varied },
+            true => Critical { longer: below.changed, shorter: above.changed, looked, varied },
         }
     }
 
-    /// The largest |z| of what moves, less 1.
-    fn growth(&self, law: &Law, factor: f64) -> Option<f64> {
-        let (found, _) = eigenvalues(&law.map(self.cycle, factor))?;
-        let moving = found.iter().filter(|z| (*z - 1.0).norm() > NEUTRAL);
-        Some(moving.map(|z| z.norm()).fold(0.0, f64::max) - 1.0)
-    }
-
-    /// The law where what periods are made of is multiplied, about the rest that it has then.
-    fn law(&self, factor: f64) -> Option<Law> {
+    /// The flow where what periods are made of is multiplied, about the rest that it has then.
+    fn flow(&self, factor: f64) -> Option<Flow> {
         let mut system = self.system.boxed_clone();
         multiply(&mut *system, &self.followers, factor);
-        at_rest(&*system, &self.guess, &self.memory).ok()?.law(self.cycle).ok()
+        at_rest(&*system, &self.guess, &self.memory).ok()?.law(self.cycle).ok().map(|law| law.flow)
     }
 }
 
@@ -130,26 +128,4 @@ fn followers(system: &dyn System) -> Option<Vec<Follower>> {
     multiply(&mut *moved, &chosen, DOUBLED);
     let all = periods(&*moved).iter().zip(&now).all(|(after, before)| *after == DOUBLED * before);
     all.then_some(chosen)
-}
-
-/// The first factor from 1 on, by steps of a factor as far as a last one, at which the sign of a growth changes, to rounding.
-fn first_change(growth: impl Fn(f64) -> Option<f64>, step: f64, last: f64) -> Option<f64> {
-    let is_stable = |factor: f64| growth(factor).map(|growth| growth < 0.0);
-    let first = is_stable(1.0)?;
-    let mut here = 1.0;
-    while (here < last) == (step > 1.0) {
-        let mut there = step * here;
-        if is_stable(there)? == first {
-            here = there;
-            continue;
-        }
-        loop {
-            let middle = 0.5 * (here + there);
-            if middle == here || middle == there {
-                return Some(there);
-            }
-            if is_stable(middle)? == first { here = middle } else { there = middle }
-        }
-    }
-    None
 }

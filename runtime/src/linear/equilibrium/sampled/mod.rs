@@ -10,7 +10,9 @@
 //!
 //! Source: Franklin, Powell and Workman, Digital Control of Dynamic Systems, 1998, 4.3 (zero-order hold).
 
+mod alone;
 mod critical;
+mod crossing;
 mod cycle;
 mod laws;
 mod rest;
@@ -19,14 +21,14 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 #[cfg(feature = "cli")]
 pub(crate) use critical::periods;
-use critical::{Critical, Varying};
+use critical::{Critical, LONGEST_PERIOD, SHORTEST_PERIOD, Varying};
 use cycle::{Cycle, INSTANT};
 use rest::{Assignment, Search};
 
 use super::Guess;
 use super::candidate::Departures;
 use super::least_steps::{BALANCED, Rest};
-use crate::linear::matrices::Eigen;
+use crate::linear::matrices::{Eigen, Scaled, balanced};
 use crate::linear::{LinearError, expm, short};
 use crate::matrix::svd;
 use crate::mechanism::{Action, Along, System, Target, Trigger, rate_name};
@@ -59,15 +61,22 @@ pub struct SampledLoop {
     pub matrix: DMatrix<f64>,
     /// Its eigenvalues z that are not 0, the largest first.
     pub multipliers: Vec<Complex<f64>>,
+    /// How far the logarithm of the size of each may be off, by rounding.
+    pub errors: Vec<f64>,
     /// How many of its eigenvalues are 0: held values that are forgotten at the next tick.
     pub forgotten: usize,
     /// ln z/T, 1/s.
     pub exponents: Vec<Complex<f64>>,
+    /// The exponents of motions that nothing damps and that ticks do not move, or do not see, 0 or ±iω: their |z| is 1 whatever the period.
+    pub alone: Vec<Complex<f64>>,
     /// The factor of all periods nearest to 1 from which on some |z| is 1 or more; `None` where there is none within 10⁻³ to 10⁴, or the
     /// cycle is too long to be looked at so often.
     pub critical_factor: Option<f64>,
     /// The factor nearest to 1 from which downwards some |z| is 1 or more: shorter periods are worse, as where a law divides by its period.
     pub least_factor: Option<f64>,
+    /// Between which factors of all periods none of these two is missed: 10⁻³ and 10⁴, or they themselves, or as far as it went at some cost; beyond,
+    /// windows of instability of less than a hundredth of the period may be.
+    pub looked: [f64; 2],
     /// Parameters of which the periods are made, and which these factors multiply or divide with them; none where the periods alone are
     /// varied, and the law stays as it is.
     pub varied: Vec<String>,
@@ -88,9 +97,22 @@ impl SampledLoop {
         (0..self.exponents.len()).filter(|k| self.exponents[*k].im.abs() > ALIASED * half_turn).collect()
     }
 
-    /// Whether all departures die away.
+    /// `looked`, where a threshold may have been missed beyond.
+    pub fn looked_in_part(&self) -> Option<[f64; 2]> {
+        let ends = [SHORTEST_PERIOD, LONGEST_PERIOD];
+        let found = [self.critical_factor, self.least_factor];
+        let whole = |k: usize| self.looked[k] == ends[k] || found.contains(&Some(self.looked[k]));
+        (self.looked != [1.0, 1.0] && !(whole(0) && whole(1))).then_some(self.looked)
+    }
+
+    /// Whether all departures die away, by more than rounding.
     pub fn is_stable(&self) -> bool {
-        self.multipliers.iter().all(|z| z.norm() < 1.0)
+        self.multipliers.iter().zip(&self.errors).all(|(z, error)| z.norm().ln() < -error)
+    }
+
+    /// Whether some departures grow, by more than rounding.
+    pub fn grows(&self) -> bool {
+        self.multipliers.iter().zip(&self.errors).any(|(z, error)| z.norm().ln() > *error)
     }
 }
 
@@ -128,7 +150,7 @@ pub fn linearise_sampled<S: System + ?Sized>(
     let mut search = at_rest(system, guess, memory)?;
     search.laws_are_linear()?;
     let law = search.law(&cycle)?;
-    let critical = Varying::of(system, (&search, guess), &cycle).critical(&law);
+    let critical = Varying::of(system, (&search, guess), &cycle).critical(&law.flow);
     search.closed((&cycle, &law), critical, &guess.inputs)
 }
 
@@ -153,12 +175,25 @@ struct Law {
     jumps: Vec<DMatrix<f64>>,
 }
 
-impl Law {
+impl Flow {
+    /// The eigenvalues that are not 0 of the map over a cycle, whose times are multiplied by a factor.
+    fn spectrum(&self, cycle: &Cycle, factor: f64) -> Option<Vec<Eigenvalue>> {
+        eigenvalues(&self.map(cycle, factor), self.turning * cycle.period * factor)
+    }
+
     /// The map over a cycle, whose times are multiplied by a factor.
     fn map(&self, cycle: &Cycle, factor: f64) -> DMatrix<f64> {
         let mut gaps: Vec<(f64, DMatrix<f64>)> = Vec::new();
+    flow: Flow,
+}
+
+/// [A B; 0 0], and a jump for each instant of a cycle.
+#[derive(Clone)]
+struct Flow {
         let mut product = DMatrix::identity(self.field.nrows(), self.field.nrows());
         for (jump, (_, gap)) in self.jumps.iter().zip(&cycle.instants) {
+    /// The fastest turn of a motion between ticks, rad/s: its exponential is rounded with each turn.
+    turning: f64,
             let gap = factor * gap;
             let known = gaps.iter().position(|(known, _)| (known - gap).abs() <= INSTANT * gap);
             let place = known.unwrap_or_else(|| {
@@ -179,6 +214,22 @@ impl Search {
             return Err(LinearError::NotSmooth { switch: jump.switch.clone() });
         }
         if let Some(switch) = base.kink(q) {
+impl Flow {
+    /// All eigenvalues that are not 0 of the map over a cycle, which is known, the largest first; and the exponents of those motions that ticks leave
+    /// alone.
+    fn eigenvalues(&self, cycle: &Cycle, map: &DMatrix<f64>) -> Option<(Vec<Eigenvalue>, Vec<Complex<f64>>)> {
+        let (rest, alone) = self.without_alone()?;
+        let mut found = match alone.is_empty() {
+            true => eigenvalues(map, self.turning * cycle.period)?,
+            false => rest.spectrum(cycle, 1.0)?,
+        };
+        let z = |exponent: &Complex<f64>| (exponent * cycle.period).exp();
+        found.extend(alone.iter().map(|exponent| Eigenvalue { z: z(exponent), error: f64::EPSILON }));
+        found.sort_by(|a, b| b.z.norm().total_cmp(&a.z.norm()).then(a.z.im.total_cmp(&b.z.im)));
+        Some((found, alone))
+    }
+}
+
             return Err(LinearError::NotSmooth { switch });
         }
         let by_memory = -self.forces_by_memory();
@@ -192,7 +243,10 @@ impl Search {
         let slopes = self.slopes_of_assignments(&field, &departures, &forces)?;
         let independent = departures.independent;
         let jumps = cycle.instants.iter().map(|(ticking, _)| self.jump(ticking, &slopes, &independent)).collect();
-        Ok(Law { independent, field, jumps })
+        let failed = LinearError::NoConvergence { what: "the eigenvalues between ticks" };
+        let turning =
+            Eigen::of(&field).ok_or(failed)?.values.iter().fold(0.0, |most: f64, value| most.max(value.im.abs()));
+        Ok(Law { independent, flow: Flow { field, jumps, turning } })
     }
 
     /// The loop about the rest that was found, with inputs held at these.
@@ -202,9 +256,11 @@ impl Search {
         critical: Critical,
         inputs: &[f64],
     ) -> Result<SampledLoop, LinearError> {
-        let matrix = law.map(cycle, 1.0);
+        let matrix = law.flow.map(cycle, 1.0);
         let none = || LinearError::NoConvergence { what: "the eigenvalues of the loop" };
-        let (multipliers, forgotten) = eigenvalues(&matrix).ok_or_else(none)?;
+        let (found, alone) = law.flow.eigenvalues(cycle, &matrix).ok_or_else(none)?;
+        let multipliers: Vec<Complex<f64>> = found.iter().map(|value| value.z).collect();
+        let forgotten = matrix.ncols() - multipliers.len();
         let exponents = multipliers.iter().map(|z| z.ln() / cycle.period).collect();
         let system = self.place.base.system.borrow();
         let (description, sampling) = (system.description(), system.sampling());
@@ -238,10 +294,13 @@ impl Search {
             least_factor: critical.shorter,
             varied: critical.varied,
             rest: (self.place.guess(inputs), self.memory.clone()),
+            errors: found.iter().map(|value| value.error).collect(),
         })
+            alone,
     }
 
     /// The slopes of all assignments by [x; m], a column for each; accelerations and reactions change as x and m say.
+            looked: critical.looked,
     ///
     /// # Errors
     /// Those of the reactions.
@@ -317,9 +376,28 @@ impl Search {
     }
 }
 
-/// Eigenvalues that are not 0, the largest first, and how many others there are: those of variables that nothing depends on, and of sums of them,
+/// An eigenvalue of a map.
+struct Eigenvalue {
+    z: Complex<f64>,
+    /// How far ln |z| may be off where |z| is about 1.
+    error: f64,
+}
+
+impl Eigenvalue {
+    /// ln |z|.
+    fn growth(&self) -> f64 {
+        self.z.norm().ln()
+    }
+
+    /// Whether |z| is 1, to its error.
+    fn stays(&self) -> bool {
+        self.growth().abs() <= self.error
+    }
+}
+
+/// Eigenvalues that are not 0 of a map of motions that turn by so many radians: those of variables that nothing depends on, and of sums of them,
 /// are left out before any is computed.
-fn eigenvalues(matrix: &DMatrix<f64>) -> Option<(Vec<Complex<f64>>, usize)> {
+fn eigenvalues(matrix: &DMatrix<f64>, turned: f64) -> Option<Vec<Eigenvalue>> {
     let mut reduced = matrix.clone();
     while let Some(k) = (0..reduced.ncols())
         .find(|k| reduced.column(*k).iter().all(|x| *x == 0.0) || reduced.row(*k).iter().all(|x| *x == 0.0))
@@ -330,13 +408,17 @@ fn eigenvalues(matrix: &DMatrix<f64>) -> Option<(Vec<Complex<f64>>, usize)> {
     while let Some(rest) = without_kernel(&reduced, nothing)? {
         reduced = rest;
     }
-    let forgotten = matrix.ncols() - reduced.ncols();
     if reduced.is_empty() {
-        return Some((Vec::new(), forgotten));
+        return Some(Vec::new());
     }
-    let mut values = Eigen::of(&reduced)?.values;
-    values.sort_by(|a, b| b.norm().total_cmp(&a.norm()).then(a.im.total_cmp(&b.im)));
-    Some((values, forgotten))
+    let (reduced, _) = balanced(&reduced);
+    let Eigen { values, vectors } = Eigen::of(&reduced)?;
+    // Each by its own condition, 1/|w·v|; a defective pair is known to the root of rounding.
+    let rounding = Scaled::threshold(values.len(), reduced.norm()).max(f64::EPSILON * turned);
+    let worst = f64::EPSILON.sqrt().recip();
+    let left = vectors.try_inverse();
+    let condition = |k: usize| left.as_ref().map_or(worst, |left| left.row(k).norm().min(worst));
+    Some(values.iter().enumerate().map(|(k, z)| Eigenvalue { z: *z, error: rounding * condition(k) }).collect())
 }
 
 /// What a matrix does across the sums of variables that it takes to `nothing`, or less; `Some(None)` where there are none. In a basis of these and of what is across them
