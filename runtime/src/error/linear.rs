@@ -93,6 +93,11 @@ pub enum LinearError {
         /// The argument of the switch that lies at zero.
         switch: String,
     },
+    /// An equilibrium at a point of a table where its slope is another on each side: there are two linear models.
+    AtTablePoint {
+        /// What departs from side to side: a coordinate, a rate or a state.
+        along: String,
+    },
     /// What a tick sets jumps or turns sharply at the rest of a sampled loop.
     LawNotSmooth {
         /// What is set.
@@ -324,6 +329,11 @@ impl fmt::Display for LinearError {
                 f,
                 "not a steady motion: the constraint `{constraint}` does not allow the speeds that are kept, `{coordinate}'` among \
                  them; give speeds that meet it, or 0 to those that are to follow"
+            ),
+            LinearError::AtTablePoint { along } => write!(
+                f,
+                "the equilibrium lies at a point of a table, and the stiffness or the damping along `{along}` is another on each side: there is \
+                 no linear model; `smooth: 1` or `2` has one slope at each point, or move the point"
             ),
             LinearError::SpeedsContradict { coordinate, constraint: None } => write!(
                 f,

@@ -384,3 +384,74 @@ fn kinks_of_an_input_in_time_are_none_of_small_motions() {
     let refused = try_run(&kinked, &[]).unwrap_err();
     contains(&refused, &["`x`"]);
 }
+
+/// What pulls at x beside a unit mass.
+fn pulled(law: &str, more: &str) -> String {
+    format!(
+        "name: Pulled\nparameters: {{m: 1 kg, k: 3 N/m, F: 1 N}}\ncoordinates: {{x: m, y: m}}\n{more}kinetic_energy: m*(x'^2 + y'^2)/2\n\
+         generalized_forces: {{x: \"-({law})\", y: -k*y}}\n"
+    )
+}
+
+/// A table with two slopes at the rest, along a place, a rate, a sum of places, or in a potential that has no second derivative there, has no linear
+/// model, as `abs(x)` has none; one that goes straight on has.
+#[test]
+fn a_rest_at_a_corner_of_a_table_is_refused() {
+    let table =
+        |points: &str, smooth: u8| format!("tables: {{f: {{points: [{points}], units: [m, N], smooth: {smooth}}}}}\n");
+    let bent = "[-1, -1], [0, 0], [1, 2]";
+    for law in ["f(x)", "f(x + y)", "k*x + f(2*x)", "1e9*k*x + f(x)"] {
+        let refused = try_run(&pulled(law, &table(bent, 0)), &[]).unwrap_err();
+        contains(&refused, &["at a point of a table", "along `x`"]);
+    }
+    let rates = table(bent, 0).replace("[m, N]", "[m/s, N]");
+    contains(&try_run(&pulled("f(x') + k*x", &rates), &[]).unwrap_err(), &["at a point of a table", "along `x'`"]);
+    let stiffness = |law: &str, more: &str| run(&pulled(law, more), &[])["K"][0][0].as_f64().unwrap();
+    assert_eq!(stiffness("f(x)", &table("[-1, -0.3], [0, 0], [1, 0.3], [2, 5]", 0)), 0.3);
+    close(stiffness("f(x) - 0.3*F", &table("[0.7, 0.21], [1, 0.3], [1.1, 0.33], [2, 5]", 0)), 0.3, 1e-12);
+    // One slope at each point by a curve; and a corner beside the rest is none.
+    assert!(stiffness("f(x)", &table(bent, 1)) > 0.0);
+    assert_eq!(stiffness("f(x) - F", &table(bent, 0)), 2.0);
+    let energy = "tables: {V: {points: [[-1, 1], [0, 0], [1, 2]], units: [m, J], smooth: 1}}\npotential_energy: V(x)\n";
+    contains(&try_run(&pulled("0*F", energy), &[]).unwrap_err(), &["at a point of a table"]);
+    let held = pulled("f(x)", &table(bent, 0)).replace("generalized", "constraints: {rod: x - y}\ngeneralized");
+    contains(&try_run(&held, &[]).unwrap_err(), &["at a point of a table"]);
+    let beside = pulled("f(x)", &table(bent, 0)).replace("F: 1 N}", "F: 1 N, w: 2 1/s}");
+    let beside = beside + "states: {p: {unit: m, rate: w*(x - p)}}\n";
+    contains(&try_run(&beside, &[]).unwrap_err(), &["at a point of a table", "along `x`"]);
+}
+
+/// Products of switches that are smooth have the slope that they have on all sides, and those that are not are refused, whichever switch it is of.
+#[test]
+fn switches_that_turn_together_are_taken_together() {
+    let pulled = |law: &str| {
+        pulled(law, "")
+            .replace(": m,", ": ,")
+            .replace("y: m}", "y: }")
+            .replace("m: 1 kg, k: 3 N/m, F: 1 N", "m: 1, k: 3")
+    };
+    for law in ["k*abs(x)*sign(x)", "k*sign(x)*sin(abs(x))", "k*max(0, x) + k*min(0, x)", "k*x + abs(x)*x"] {
+        assert_eq!(run(&pulled(law), &[])["K"][0][0], 3.0, "{law}");
+        let held = pulled(law).replace("generalized", "constraints: {rod: x - y}\ngeneralized");
+        assert_eq!(run(&held, &[])["K"][0][0], 6.0, "{law}");
+    }
+    for law in ["abs(abs(x))", "abs(x)", "max(x, 2*x)", "abs(x) + abs(y)", "min(abs(x), abs(y)) + x"] {
+        contains(&try_run(&pulled(law), &[]).unwrap_err(), &["changes sign and with it the stiffness"]);
+    }
+}
+
+/// A stiffness that changes with time beside a rest that does not: that it has no equilibrium is not the reason.
+#[test]
+fn a_rest_beside_which_time_acts_is_called_that() {
+    let ages = "define: {age: \"t/T\"}\n";
+    let with_time = |text: String| text.replace("F: 1 N}", "F: 1 N, T: 10 s}");
+    for law in ["k*x*(1 + age)", "(k*x - F)*(1 + age)"] {
+        let found = try_run(&with_time(pulled(law, ages)), &[]).unwrap_err();
+        contains(&found, &["there is a rest, but beside it the equation of `x` depends on time", "--at-time"]);
+        let held = pulled(law, ages).replace("generalized", "constraints: {rod: x - y}\ngeneralized");
+        let found = try_run(&with_time(held), &[]).unwrap_err();
+        assert!(found.contains("depends on time"), "{found}");
+    }
+    let moves = try_run(&with_time(pulled("k*x - F*age", ages)), &[]).unwrap_err();
+    contains(&moves, &["depends on time, so it has no equilibrium"]);
+}

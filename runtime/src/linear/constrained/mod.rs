@@ -21,6 +21,8 @@ mod held;
 #[cfg(feature = "modal")]
 mod relative;
 mod rest;
+#[cfg(feature = "modal")]
+mod slow;
 mod state;
 mod steady;
 #[cfg(feature = "modal")]
@@ -75,9 +77,10 @@ fn on_its_sides<S: System + ?Sized, T>(
         let before = probe.sides_at(&from.q);
         let (found, there) = find(&**probe.system.borrow(), &from)?;
         probe.v.clone_from(&there.v);
-        if let Some(switch) = probe.jump_or_kink(&there.q) {
+        if let Some(switch) = probe.jump(&there.q) {
             return Err(LinearError::NotSmooth { switch });
         }
+        probe.without_corner(&there.q)?;
         if probe.sides_at(&there.q) == before {
             probe.check_time(&there.q)?;
             return Ok(found);

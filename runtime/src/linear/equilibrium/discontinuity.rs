@@ -33,20 +33,12 @@ impl LinearisationPoint {
         if list.is_empty() { self.jumps_of_speed(q, &measure) } else { list }
     }
 
-    /// A switch at whose surface a state lies where derivatives of the forces differ from side to side.
-    pub(super) fn kink(&self, q: &[f64]) -> Option<String> {
-        let differs = |switch: &usize| differ(&self.sides(q, *switch).map(|side| side.derivatives));
-        self.on_surface(q).into_iter().find(differs).map(|switch| self.switch(switch).0)
-    }
-
-    /// A switch at whose surface a state lies where forces, constraints or derivatives of these differ from side to side: not one of an input's
-    /// function of time, which stands still.
-    pub fn jump_or_kink(&self, q: &[f64]) -> Option<String> {
+    /// A switch at whose surface a state lies where forces or constraints differ from side to side: not one of an input's function of time,
+    /// which stands still.
+    pub fn jump(&self, q: &[f64]) -> Option<String> {
         let differs = |switch: &usize| {
             let [low, high] = self.sides(q, *switch);
-            let pairs =
-                [[low.force, high.force], [low.derivatives, high.derivatives], [low.constraints, high.constraints]];
-            pairs.iter().any(differ)
+            [[low.force, high.force], [low.constraints, high.constraints]].iter().any(differ)
         };
         self.on_surface(q).into_iter().find(differs).map(|switch| self.switch(switch).0)
     }
@@ -80,7 +72,7 @@ impl LinearisationPoint {
 }
 
 /// Whether numbers differ by more than rounding of the largest.
-fn differ([low, high]: &[Vec<f64>; 2]) -> bool {
+pub(super) fn differ([low, high]: &[Vec<f64>; 2]) -> bool {
     let largest = high.iter().chain(low).fold(0.0_f64, |most, x| most.max(x.abs()));
     high.iter().zip(low).any(|(a, b)| (a - b).abs() > 1e-12 * largest)
 }

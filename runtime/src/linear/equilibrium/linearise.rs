@@ -83,9 +83,7 @@ fn linearised_with<S: System + ?Sized>(
         let jump = jump.map(|jump| Residual { force: jump.force.abs(), ..jump }).collect();
         return Err(LinearError::Discontinuous { point: base.named(&state.q), switch, jump });
     }
-    if let Some(switch) = base.kink(&state.q) {
-        return Err(LinearError::NotSmooth { switch });
-    }
+    base.without_corner(&state.q)?;
     let at = At::place(0.0, &state.q);
     if let Some(lock) = lock_here(system, at) {
         return Err(LinearError::GimbalLock(lock));

@@ -2,6 +2,7 @@
 
 #[cfg(feature = "modal")]
 mod candidate;
+mod corner;
 mod discontinuity;
 mod family;
 mod least_steps;

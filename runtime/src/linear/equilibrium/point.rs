@@ -23,6 +23,8 @@ pub(in crate::linear) struct LinearisationPoint {
     /// Multipliers of all rows; empty where these do not matter.
     pub lambda: Vec<f64>,
     pub(super) zero: Vec<f64>,
+    /// The sides on which switches on their surface stay, where these are all alike; empty where that is not known.
+    beside: RefCell<Vec<f64>>,
 }
 
 impl LinearisationPoint {
@@ -34,7 +36,14 @@ impl LinearisationPoint {
             let value = guess.inputs.get(index).copied().unwrap_or(0.0);
             held.set_input(index, std::sync::Arc::new(move |_| [value, 0.0, 0.0]));
         }
-        LinearisationPoint { system: RefCell::new(held), n, v: guess.v.clone(), lambda: Vec::new(), zero: vec![0.0; n] }
+        LinearisationPoint {
+            system: RefCell::new(held),
+            n,
+            v: guess.v.clone(),
+            lambda: Vec::new(),
+            zero: vec![0.0; n],
+            beside: RefCell::default(),
+        }
     }
 
     /// Whether coordinates are not independent.
@@ -114,7 +123,18 @@ impl LinearisationPoint {
         self.system.borrow().modes().to_vec()
     }
 
-    /// Puts every switch on the side where its argument is; on its surface `sign` is 0 and `step` is 1.
+    /// Leaves switches that are on their surface on these sides from now on.
+    pub(super) fn stay_on(&self, sides: Vec<f64>) {
+        self.beside.replace(sides);
+    }
+
+    /// As [`LinearisationPoint::sides_at`], at other speeds.
+    pub(super) fn sides_moving(&self, q: &[f64], v: &[f64]) -> Vec<f64> {
+        self.settle(0.0, q, v);
+        self.system.borrow().modes().to_vec()
+    }
+
+    /// Puts every switch on the side where its argument is; on its surface `sign` is 0 and `step` is 1, where nothing else is known.
     fn settle(&self, t: f64, q: &[f64], v: &[f64]) {
         let arguments = self.arguments(t, q, v);
         if arguments.is_empty() {
@@ -125,7 +145,9 @@ impl LinearisationPoint {
         for _ in 0..4 {
             let arguments = self.arguments(t, q, v);
             let mut system = self.system.borrow_mut();
+            let beside = self.beside.borrow();
             let side = |(index, x): (usize, &f64)| match system.description().switches[index].kind {
+                _ if x.abs() <= near && !beside.is_empty() => beside[index],
                 SwitchKind::Sign if x.abs() <= near => 0.0,
                 SwitchKind::Sign => x.signum(),
                 SwitchKind::Step => f64::from(*x >= -near),
@@ -138,7 +160,7 @@ impl LinearisationPoint {
         }
     }
 
-    fn arguments(&self, t: f64, q: &[f64], v: &[f64]) -> Vec<f64> {
+    pub(super) fn arguments(&self, t: f64, q: &[f64], v: &[f64]) -> Vec<f64> {
         let system = self.system.borrow();
         let mut pairs = vec![0.0; 2 * system.description().switches.len()];
         if !pairs.is_empty() {
@@ -249,7 +271,7 @@ impl LinearisationPoint {
     }
 
     /// How fast the magnitudes of all rows grow with one coordinate or its speed.
-    fn slopes(&self, q: &[f64], index: usize, of_speed: bool, here: &[f64]) -> Vec<f64> {
+    pub(super) fn slopes(&self, q: &[f64], index: usize, of_speed: bool, here: &[f64]) -> Vec<f64> {
         let (mut q, mut v) = (q.to_vec(), self.v.clone());
         let moved = if of_speed { &mut v[index] } else { &mut q[index] };
         let step = (1e-7 * moved.abs()).max(1e-12);
@@ -264,13 +286,18 @@ impl LinearisationPoint {
     }
 
     fn present_matrices(&self, q: &[f64]) -> [SparseMatrix; 3] {
+        self.present_matrices_moving(q, &self.v)
+    }
+
+    /// The same at other speeds.
+    pub(super) fn present_matrices_moving(&self, q: &[f64], v: &[f64]) -> [SparseMatrix; 3] {
         let system = self.system.borrow();
         let description = system.description();
         let mut mass = vec![0.0; description.mass_pattern.len()];
         let mut stiffness = vec![0.0; description.stiffness_pattern.len()];
         let mut damping = vec![0.0; description.damping_pattern.len()];
-        system.mass_matrix(At::new(0.0, q, &self.v), &mut mass);
-        system.jacobians(self.at(0.0, q, &self.v), &mut stiffness, &mut damping);
+        system.mass_matrix(At::new(0.0, q, v), &mut mass);
+        system.jacobians(self.at(0.0, q, v), &mut stiffness, &mut damping);
         [
             SparseMatrix::symmetric(self.n, &description.mass_pattern, &mass),
             SparseMatrix::new(self.n, self.n, &description.damping_pattern, &damping),

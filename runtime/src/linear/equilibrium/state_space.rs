@@ -218,9 +218,7 @@ impl Search {
             let jumps = residual.map(|jump| Residual { force: jump.force.abs(), ..jump }).collect();
             return Err(LinearError::Discontinuous { point: self.place(), switch: jump.switch.clone(), jump: jumps });
         }
-        if let Some(switch) = base.kink(q) {
-            return Err(LinearError::NotSmooth { switch });
-        }
+        base.without_corner(q)?;
         let Inputs { moving, forces, immovable } = self.at.inputs()?;
         // Rates of inputs are inputs of their own where they act.
         let acts = |k: &usize| k.is_multiple_of(3) || forces.column(*k).iter().any(|x| *x != 0.0);

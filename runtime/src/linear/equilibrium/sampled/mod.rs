@@ -230,8 +230,14 @@ impl Flow {
     }
 }
 
-            return Err(LinearError::NotSmooth { switch });
+impl Search {
+    /// How departures from the rest that was found move.
+    fn law(&mut self, cycle: &Cycle) -> Result<Law, LinearError> {
+        let (base, q) = (&self.place.base, &self.place.q);
+        if let Some(jump) = base.jumps(q).first() {
+            return Err(LinearError::NotSmooth { switch: jump.switch.clone() });
         }
+        base.without_corner(q)?;
         let by_memory = -self.forces_by_memory();
         let forces: Vec<DVector<f64>> = self.read.iter().map(|j| by_memory.column(*j).into_owned()).collect();
         let departures = self.place.departures(&forces)?;
@@ -240,7 +246,7 @@ impl Flow {
         let mut field = DMatrix::zeros(size + held, size + held);
         field.view_mut((0, 0), (size, size)).copy_from(&departures.matrix);
         field.view_mut((0, size), (size, held)).copy_from(&departures.drive);
-        let slopes = self.slopes_of_assignments(&field, &departures, &forces)?;
+        let slopes = self.where_slopes_are(|beside| beside.slopes_of_assignments(&field, &departures, &forces))?;
         let independent = departures.independent;
         let jumps = cycle.instants.iter().map(|(ticking, _)| self.jump(ticking, &slopes, &independent)).collect();
         let failed = LinearError::NoConvergence { what: "the eigenvalues between ticks" };
