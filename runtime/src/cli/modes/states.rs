@@ -13,7 +13,7 @@ use super::super::load::Loaded;
 use super::super::set_up::Reader;
 use super::super::{Problem, json};
 use super::constrained::reactions;
-use super::tangent::{told, verdict};
+use super::tangent::{blurred, told, verdict};
 use super::trim::Trim;
 use super::{MOST_PRINTED, Place, contacts, failed, rows, state_space};
 use crate::linear::{StateSpace, linearise_states, short, short_beside};
@@ -82,6 +82,7 @@ fn table(name: &str, found: &StateSpace, out: &mut dyn Write) -> Result<(), Prob
             analysis.neutral.len()
         )?;
     }
+    blurred(found.blurred, out)?;
     let values = analysis.eigenvalues.iter().skip(analysis.zeros).zip(found.shapes());
     for (k, (value, shape)) in values.filter(|(value, _)| value.im >= 0.0).enumerate() {
         writeln!(out, "  {}: {}", k + 1, told(*value))?;
@@ -127,6 +128,7 @@ fn as_json(name: &str, found: &StateSpace, trim: Option<&Trim>, warnings: &[Stri
         ("eigenvalues", found.analysis.eigenvalues.iter().map(pair).collect::<Vec<_>>().into()),
         ("frequencies_hz", found.analysis.eigenvalues.iter().map(|x| number(x.im / TAU)).collect::<Vec<_>>().into()),
         ("shapes", shapes.into()),
+        ("blurred", found.blurred.map_or(Value::Null, number)),
         ("stability", json!(verdict(found.analysis.stability))),
     ];
     let warned = (!warnings.is_empty()).then(|| ("warnings", json!(warnings)));

@@ -35,6 +35,7 @@ pub fn table(name: &str, found: &Tangent, reactions: &[Reaction], out: &mut dyn 
             if neutral == 1 { "" } else { "s" },
         )?,
     }
+    blurred(found.blurred, out)?;
     for (number, value, shape) in listed(found) {
         writeln!(out, "  {number}: {}", told(value))?;
         writeln!(out, "     {}", departures(found, &shape).join(", "))?;
@@ -42,6 +43,17 @@ pub fn table(name: &str, found: &Tangent, reactions: &[Reaction], out: &mut dyn 
     writeln!(out, "stability: {}", verdict(analysis.stability))?;
     for (row, value) in reactions.iter().zip(&found.multipliers) {
         writeln!(out, "{}", row.told("there", *value))?;
+    }
+    Ok(())
+}
+
+/// Below what eigenvalues are not told from 0.
+pub(super) fn blurred(size: Option<f64>, out: &mut dyn Write) -> Result<(), Problem> {
+    if let Some(size) = size {
+        writeln!(
+            out,
+            "  below {size:.1e} 1/s eigenvalues are not told from 0: what constraints eliminate is known no better"
+        )?;
     }
     Ok(())
 }
@@ -122,6 +134,7 @@ pub fn as_json(
         ("zeros", json!(found.analysis.zeros)),
         ("eigenvalues", found.analysis.eigenvalues.iter().map(pair).collect::<Vec<_>>().into()),
         ("shapes", shapes.into()),
+        ("blurred", found.blurred.map_or(Value::Null, number)),
         ("stability", json!(verdict(found.analysis.stability))),
         ("reactions", object(reactions)),
     ];

@@ -33,6 +33,9 @@ pub(in crate::linear) struct Whole {
     stiffness: DMatrix<f64>,
     /// How fast the terms of F grow with q and q'.
     terms: [DMatrix<f64>; 2],
+    /// The terms of ∂F/∂q that are those of reactions.
+    #[cfg(feature = "modal")]
+    of_reactions: DMatrix<f64>,
     /// The first coordinate with the unit of each.
     alike: Vec<usize>,
     /// B, n × 3m.
@@ -67,6 +70,8 @@ impl Whole {
             damping,
             stiffness,
             terms: held.slopes_of_terms(state),
+            #[cfg(feature = "modal")]
+            of_reactions: held.terms_of_multipliers(state),
             alike: units.iter().map(|unit| units.iter().position(|other| other == unit).unwrap_or(0)).collect(),
             input: -input_matrix(held.system, state.at()),
             jacobian,
@@ -156,11 +161,25 @@ impl Whole {
         SparseMatrix::from_dense(&((&even + even.transpose()) * 0.5 + (&odd - odd.transpose()) * 0.5))
     }
 
+    /// The sums of the terms of Zᵀ A Z.
+    fn reduced_terms(&self, matrix: &DMatrix<f64>, terms: &DMatrix<f64>) -> DMatrix<f64> {
+        let size = self.motions.abs();
+        size.transpose() * (terms + matrix.abs()) * size
+    }
+
+    /// By how much rounding may have moved the elements of M_z, C_z and K_z.
+    #[cfg(feature = "modal")]
+    pub fn doubts(&self) -> [DMatrix<f64>; 3] {
+        let [by_place, by_speed] = &self.terms;
+        let by_place = by_place + &self.of_reactions;
+        [(&self.mass, &self.mass), (&self.damping, by_speed), (&self.stiffness, &by_place)]
+            .map(|(matrix, terms)| self.reduced_terms(matrix, &terms.abs()) * CANCELLED)
+    }
+
     /// M_z, C_z and K_z, without what is rounding of the terms that they are the difference of.
     pub fn matrices(&self) -> [SparseMatrix; 3] {
-        let size = self.motions.abs();
         let cleaned = |matrix: &DMatrix<f64>, terms: &DMatrix<f64>| {
-            let largest = size.transpose() * (terms + matrix.abs()) * &size;
+            let largest = self.reduced_terms(matrix, terms);
             let mut reduced = self.reduced(matrix);
             let kind = |(i, j, _): &(u32, u32, f64)| [i, j].map(|i| self.alike[self.independent[*i as usize]]);
             let mut most: BTreeMap<[usize; 2], f64> = BTreeMap::new();

@@ -233,6 +233,26 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
         })
     }
 
+    /// What multipliers add to the terms of ∂F/∂q, each as large as the terms are of the forces that it balances: by so much, times rounding, it
+    /// may be off.
+    #[cfg(feature = "modal")]
+    pub fn terms_of_multipliers(&self, state: &State) -> DMatrix<f64> {
+        let n = self.n;
+        let mut sums = DVector::zeros(n);
+        self.system.magnitudes(state.at(), sums.as_mut_slice());
+        let effects = self.jacobian(state).transpose();
+        let mut terms = DMatrix::zeros(n, n);
+        let Some(inverse) = solve_least(&effects, &DMatrix::identity(n, n)) else { return terms };
+        let [here, _] = force_slopes(self.system, state.at());
+        for (row, size) in self.rows.iter().zip((inverse.abs() * sums).iter()) {
+            let mut other = state.clone();
+            other.lambda[*row] += size;
+            let [there, _] = force_slopes(self.system, other.at());
+            terms += (there - &here).abs();
+        }
+        terms
+    }
+
     /// (c, c', Σ |terms| of c) of each row, c of one that contains speeds being the change of its integral.
     pub fn triples(&self, state: &State) -> Vec<[f64; 3]> {
         let all = constraint_triples(self.system, state.at());

@@ -35,6 +35,9 @@ pub struct Tangent {
     pub turning: Vec<String>,
     /// Its eigenvalues and eigenvectors.
     pub analysis: FirstOrder,
+    /// The size, 1/s, below which eigenvalues are not told from 0, for rounding of what constraints eliminate hides them; `None` where all are, and
+    /// about motions.
+    pub blurred: Option<f64>,
 }
 
 /// Rows of what departures must meet, below this part of the largest, depend on others.
@@ -321,7 +324,8 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
     fn small_departures(&self, state: &State, iterations: usize) -> Result<Tangent, LinearError> {
         let n = self.n;
         let Small { matrix, departures, shifted } = self.on_the_tangent_space(state)?;
-        let analysis = analysed(&matrix, shifted)?;
+        let (told, blurred) = self.slow_and_fast(state, &departures)?;
+        let analysis = told.map_or_else(|| analysed(&matrix, shifted), Ok)?;
         let equilibrium = Equilibrium {
             coordinates: self.names(),
             units: self.units(),
@@ -338,7 +342,7 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         let turns = |i: &usize| state.turn.as_ref().is_some_and(|turn| turn.matrix.row(*i).iter().any(|x| *x != 0.0));
         let names = &equilibrium.coordinates;
         let turning = (0..n).filter(turns).map(|i| names[i].clone()).collect();
-        Ok(Tangent { equilibrium, multipliers, departures, matrix, turning, analysis })
+        Ok(Tangent { equilibrium, multipliers, departures, matrix, turning, analysis, blurred })
     }
 }
 

@@ -6,6 +6,8 @@
 //!
 //! x' = A x + B u,  x = (δy, δy', δz),  A = [0 1 0; −M_y⁻¹ K_y  −M_y⁻¹ C_y  −M_y⁻¹ Zᵀ ∂F/∂z; …].
 
+use std::ops::AddAssign;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::Guess;
@@ -35,6 +37,8 @@ pub(super) struct Departures {
     pub independent: Vec<usize>,
     /// Z: how all coordinates follow these.
     pub motions: DMatrix<f64>,
+    /// By how much rounding may have moved the elements of A, where something is eliminated; else each is known to its own digits.
+    pub doubt: Option<DMatrix<f64>>,
 }
 
 impl Departures {
@@ -93,11 +97,6 @@ impl Candidate {
         self.base.n + self.rows().len()
     }
 
-    /// Whether nothing is eliminated: the elements of A are known each to its own digits.
-    pub fn is_free(&self) -> bool {
-        self.held.is_none()
-    }
-
     /// The present values, inputs being held at these.
     pub fn guess(&self, inputs: &[f64]) -> Guess {
         Guess { q: self.q.clone(), v: self.base.v.clone(), inputs: inputs.to_vec() }
@@ -154,14 +153,18 @@ impl Candidate {
                 drive,
                 independent: (0..all).collect(),
                 motions: DMatrix::identity(all, all),
+                doubt: None,
             });
         };
         let whole = held.whole(&self.base, &self.q)?;
         let to_independent = whole.motions.transpose();
         let forces: Vec<DVector<f64>> = forces.iter().map(|force| &to_independent * force).collect();
         let places = whole.independent.iter().filter(|i| **i < self.n).count();
-        let (matrix, drive) = first_order(whole.matrices(), places, &forces)?;
-        Ok(Departures { matrix, drive, independent: whole.independent, motions: whole.motions })
+        let matrices = whole.matrices();
+        let mass = matrices[0].to_dense();
+        let (matrix, drive) = first_order(matrices, places, &forces)?;
+        let doubt = Some(doubt(&mass, &whole.doubts(), &matrix));
+        Ok(Departures { matrix, drive, independent: whole.independent, motions: whole.motions, doubt })
     }
 
     /// What inputs do.
@@ -236,4 +239,21 @@ fn first_order(
     let mut drive = DMatrix::zeros(kept.len(), forces.len());
     drive.view_mut((n, 0), (all, forces.len())).copy_from(&solved.columns(2 * all, forces.len()));
     Ok((matrix, drive))
+}
+
+/// By how much A may be off, by M, what M, C and K may be off by, and A itself, X = −M⁻¹ [K C] in it: |M⁻¹| (δ[K C] + δM |X|).
+fn doubt(
+    mass: &DMatrix<f64>,
+    [of_mass, of_damping, of_stiffness]: &[DMatrix<f64>; 3],
+    a: &DMatrix<f64>,
+) -> DMatrix<f64> {
+    let (size, all) = (a.nrows(), mass.nrows());
+    let n = size - all;
+    let mut doubt = DMatrix::zeros(size, size);
+    let Some(inverse) = mass.clone().try_inverse() else { return doubt };
+    let mut own = of_mass * a.rows(n, all).abs();
+    own.columns_mut(0, n).add_assign(&of_stiffness.columns(0, n));
+    own.columns_mut(n, all).add_assign(of_damping);
+    doubt.rows_mut(n, all).copy_from(&(inverse.abs() * own));
+    doubt
 }

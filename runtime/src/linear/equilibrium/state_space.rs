@@ -51,6 +51,8 @@ pub struct StateSpace {
     pub input: DMatrix<f64>,
     /// Eigenvalues and shapes of A; these are in units of their own, see [`StateSpace::shapes`].
     pub analysis: FirstOrder,
+    /// The size, 1/s, below which eigenvalues are not told from 0, for rounding of what constraints eliminate hides them; `None` where all are.
+    pub blurred: Option<f64>,
     /// The unit of each variable in the analysis, a power of 2.
     scales: Vec<f64>,
     /// The places of the inputs that can move.
@@ -224,10 +226,17 @@ impl Search {
         let acts = |k: &usize| k.is_multiple_of(3) || forces.column(*k).iter().any(|x| *x != 0.0);
         let acting: Vec<usize> = (0..forces.ncols()).filter(acts).collect();
         let forces: Vec<DVector<f64>> = acting.iter().map(|k| forces.column(*k).into_owned()).collect();
-        let Departures { matrix, drive, independent, motions } = self.at.departures(&forces)?;
+        let Departures { matrix, drive, independent, motions, doubt } = self.at.departures(&forces)?;
         let (balanced, scales) = balanced(&matrix);
         let known: Vec<String> = base.system.borrow().description().inputs.iter().map(ToString::to_string).collect();
         let places = independent.iter().filter(|i| **i < *n).map(|i| self.coordinates[*i].name.to_string());
+        let (analysis, blurred) = match doubt {
+            None => (graded_modes(&balanced)?, None),
+            Some(doubt) => {
+                let scaled = |i: usize, j: usize| doubt[(i, j)] * (scales[j] / scales[i]);
+                doubted_modes(&balanced, &DMatrix::from_fn(doubt.nrows(), doubt.ncols(), scaled))?
+            }
+        };
         let rates = independent.iter().map(|i| rate_name(&self.coordinates[*i].name));
         let speeds = self.coordinates[..*n].iter().zip(&base.v).filter(|(_, v)| **v != 0.0);
         Ok(StateSpace {
@@ -239,7 +248,8 @@ impl Search {
             coordinates: self.coordinates[..*n].iter().map(|c| c.name.to_string()).collect(),
             motions,
             reactions: self.at.reactions(),
-            analysis: if self.at.is_free() { graded_modes(&balanced)? } else { first_order_modes(&balanced)? },
+            analysis,
+            blurred,
             matrix,
             inputs: acting.iter().map(|k| rated(&known[moving[k / 3]], "", k % 3)[0].clone()).collect(),
             moving,

@@ -30,7 +30,7 @@ pub(super) use deflation::{nullities, without_zeros};
 #[cfg(feature = "modal")]
 pub use first_order::{FirstOrder, Stability, first_order_modes};
 #[cfg(feature = "modal")]
-pub(super) use graded::graded_modes;
+pub(super) use graded::{doubted_modes, graded_modes, kernel};
 pub(super) use loci::matched;
 pub use loci::{campbell, root_locus};
 pub use mode::{Kind, Mode};
