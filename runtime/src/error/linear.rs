@@ -132,6 +132,11 @@ pub enum LinearError {
         /// A coordinate whose equation changes, or a constraint that does.
         coordinate: String,
     },
+    /// A rest that stays where it is, but beside it the equations change with time.
+    VariesWithTime {
+        /// A coordinate whose equation changes, a constraint, or what a tick sets.
+        coordinate: String,
+    },
     /// A contact slides in space: what the direction of friction does to small departures depends on how fast it slides, and at rest it has none.
     SlidesInSpace {
         /// Its name.
@@ -239,6 +244,21 @@ pub enum LinearError {
     },
 }
 
+impl LinearError {
+    /// What is known where no rest was found: that the equations change with time.
+    pub(crate) fn without_rest(self) -> LinearError {
+        match self {
+            LinearError::VariesWithTime { coordinate } => LinearError::DependsOnTime { coordinate },
+            other => other,
+        }
+    }
+
+    /// Whether time is the reason.
+    pub(crate) fn is_of_time(&self) -> bool {
+        matches!(self, LinearError::DependsOnTime { .. } | LinearError::VariesWithTime { .. })
+    }
+}
+
 impl fmt::Display for LinearError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -310,6 +330,11 @@ impl fmt::Display for LinearError {
                 "the equilibrium lies where `{switch}` changes sign and with it the stiffness or the damping: there is \
                  no linear model"
             ),
+            LinearError::AtTablePoint { along } => write!(
+                f,
+                "the equilibrium lies at a point of a table, and the stiffness or the damping along `{along}` is another on each side: there is \
+                 no linear model; `smooth: 1` or `2` has one slope at each point, or move the point"
+            ),
             LinearError::LawNotSmooth { held } => write!(
                 f,
                 "what sets `{held}` jumps or turns sharply at the rest, as a relay does: the loop has no linear model there, \
@@ -330,11 +355,6 @@ impl fmt::Display for LinearError {
                 "not a steady motion: the constraint `{constraint}` does not allow the speeds that are kept, `{coordinate}'` among \
                  them; give speeds that meet it, or 0 to those that are to follow"
             ),
-            LinearError::AtTablePoint { along } => write!(
-                f,
-                "the equilibrium lies at a point of a table, and the stiffness or the damping along `{along}` is another on each side: there is \
-                 no linear model; `smooth: 1` or `2` has one slope at each point, or move the point"
-            ),
             LinearError::SpeedsContradict { coordinate, constraint: None } => write!(
                 f,
                 "not a steady motion: `{coordinate}` goes on only together with other coordinates, and the speeds that are kept \
@@ -349,6 +369,12 @@ impl fmt::Display for LinearError {
                 f,
                 "the equation of `{coordinate}` depends on time, so it has no equilibrium; a force that varies may be an input, \
                  but where a mass or stiffness varies (Mathieu) only a run tells whether motions grow"
+            ),
+            LinearError::VariesWithTime { coordinate } => write!(
+                f,
+                "there is a rest, but beside it the equation of `{coordinate}` depends on time, as with a stiffness that changes: eigenvalues \
+                 at one time do not tell whether motions grow (Mathieu), only a run does; make what changes an input to hold it, or see A as \
+                 it is at one time by `--at-time`, of a scene that starts at the rest"
             ),
             LinearError::SlidesInSpace { contact } => write!(
                 f,

@@ -446,10 +446,15 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
             let n = self.n;
             let differs =
                 |i: &usize| changed(&slopes, &slopes_then, *i) || *i >= n && changed(&jacobian, &jacobian_then, i - n);
-            if let Some(i) = self.unbalanced(&later, BALANCED).or_else(|| (0..slopes.nrows()).find(differs)) {
-                let row = |k: usize| self.system.description().rows[self.rows[k]].name.to_string();
-                let name = if i < n { self.names().swap_remove(i) } else { row(i - n) };
-                return Err(LinearError::DependsOnTime { coordinate: name });
+            let name = |i: usize| match i.checked_sub(n) {
+                None => self.names().swap_remove(i),
+                Some(k) => self.system.description().rows[self.rows[k]].name.to_string(),
+            };
+            if let Some(i) = self.unbalanced(&later, BALANCED) {
+                return Err(LinearError::DependsOnTime { coordinate: name(i) });
+            }
+            if let Some(i) = (0..slopes.nrows()).find(differs) {
+                return Err(LinearError::VariesWithTime { coordinate: name(i) });
             }
         }
         Ok(())

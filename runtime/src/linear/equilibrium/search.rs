@@ -120,11 +120,19 @@ impl Equilibrium {
 /// singular, and are halved until F decreases.  It goes on until rounding stops it.
 ///
 /// # Errors
-/// [`LinearError::NoEquilibrium`] with where it stood and the forces left; [`LinearError::DependsOnTime`],
+/// [`LinearError::NoEquilibrium`] with where it stood and the forces left; [`LinearError::DependsOnTime`], [`LinearError::VariesWithTime`],
 /// [`LinearError::NotSteady`], wrong sizes and numbers that are not finite.
 pub fn equilibrium_near<S: System + ?Sized>(system: &S, guess: &Guess) -> Result<Equilibrium, LinearError> {
     let base = LinearisationPoint::new(system, guess);
-    base.check(&guess.q)?;
+    if let Err(error) = base.check(&guess.q) {
+        // Whether the rest itself moves, or only what is beside it changes, shows there.
+        if error.is_of_time()
+            && let Ok(found) = newton(&base, guess.q.clone())
+        {
+            base.check(&found.q)?;
+        }
+        return Err(error.without_rest());
+    }
     match newton(&base, guess.q.clone()) {
         Ok(found) => {
             base.check(&found.q)?;

@@ -74,7 +74,12 @@ pub struct StateSpace {
 /// [`linearise_constrained`](crate::linear::linearise_constrained), and [`LinearError::SteadyWithStates`] of a guess that moves.
 pub fn linearise_states<S: System + ?Sized>(system: &S, guess: &Guess, here: bool) -> Result<StateSpace, LinearError> {
     let mut search = Search::new(system, guess)?;
-    search.at.check()?;
+    if let Err(error) = search.at.check() {
+        if error.is_of_time() && !here && search.newton().is_ok() && search.is_met(BALANCED) {
+            search.at.check()?;
+        }
+        return Err(error.without_rest());
+    }
     let iterations = if here { Ok(0) } else { search.newton() };
     let iterations = iterations.map_err(|iterations| search.nowhere(iterations))?;
     if !search.is_met(BALANCED) {
@@ -123,10 +128,7 @@ impl StateSpace {
         let mut c = &seen.acceleration * self.matrix.rows(n, all);
         c.columns_mut(0, n).add_assign(&seen.place.columns(0, n));
         c.columns_mut(n, all).add_assign(&seen.rate);
-        let d = direct + &seen.acceleration * b.rows(n, all);
-        let input = |(column, k, unit): &(usize, usize, &String)| {
-            [self.inputs[*column].clone(), rated("", unit, k % 3)[1].clone()]
-        };
+        let d = together(seen.names.len(), &direct) + &seen.acceleration * b.rows(n, all);
         Ok(InputOutput {
             states: self.variables.iter().map(|name| [name.clone(), unit(description, name)]).collect(),
             inputs,
@@ -138,10 +140,6 @@ impl StateSpace {
         })
     }
 
-    /// The shapes of the eigenvalues that are not 0, in the order of `variables`, the largest component of each 1.
-    pub fn shapes(&self) -> Vec<Vec<nalgebra::Complex<f64>>> {
-        let whole = |shape: &nalgebra::DVector<nalgebra::Complex<f64>>| {
-            let mut all: Vec<_> = shape.iter().zip(&self.scales).map(|(x, scale)| x * *scale).collect();
     /// These drives, whose inputs are counted among all of the model, with inputs counted among those that can move.
     ///
     /// # Errors
@@ -171,6 +169,10 @@ impl StateSpace {
         drives.iter().map(moved).collect()
     }
 
+    /// The shapes of the eigenvalues that are not 0, in the order of `variables`, the largest component of each 1.
+    pub fn shapes(&self) -> Vec<Vec<nalgebra::Complex<f64>>> {
+        let whole = |shape: &nalgebra::DVector<nalgebra::Complex<f64>>| {
+            let mut all: Vec<_> = shape.iter().zip(&self.scales).map(|(x, scale)| x * *scale).collect();
             let largest = all.iter().copied().max_by(|a, b| a.norm().total_cmp(&b.norm()));
             if let Some(largest) = largest.filter(|x| x.norm() > 0.0) {
                 all.iter_mut().for_each(|x| *x /= largest);
@@ -228,8 +230,6 @@ impl Search {
         let forces: Vec<DVector<f64>> = acting.iter().map(|k| forces.column(*k).into_owned()).collect();
         let Departures { matrix, drive, independent, motions, doubt } = self.at.departures(&forces)?;
         let (balanced, scales) = balanced(&matrix);
-        let known: Vec<String> = base.system.borrow().description().inputs.iter().map(ToString::to_string).collect();
-        let places = independent.iter().filter(|i| **i < *n).map(|i| self.coordinates[*i].name.to_string());
         let (analysis, blurred) = match doubt {
             None => (graded_modes(&balanced)?, None),
             Some(doubt) => {
@@ -237,6 +237,8 @@ impl Search {
                 doubted_modes(&balanced, &DMatrix::from_fn(doubt.nrows(), doubt.ncols(), scaled))?
             }
         };
+        let known: Vec<String> = base.system.borrow().description().inputs.iter().map(ToString::to_string).collect();
+        let places = independent.iter().filter(|i| **i < *n).map(|i| self.coordinates[*i].name.to_string());
         let rates = independent.iter().map(|i| rate_name(&self.coordinates[*i].name));
         let speeds = self.coordinates[..*n].iter().zip(&base.v).filter(|(_, v)| **v != 0.0);
         Ok(StateSpace {

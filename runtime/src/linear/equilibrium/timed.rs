@@ -12,6 +12,9 @@ const DEPARTURES: [f64; 4] = [0.0, 0.013, -0.31, 0.9];
 impl LinearisationPoint {
     /// Refuses equations that depend on time, at this state or near it, by the exact ∂F/∂t; and switches that time
     /// alone throws.
+    ///
+    /// # Errors
+    /// [`LinearError::DependsOnTime`]; [`LinearError::VariesWithTime`] where forces at the state itself stay as they are.
     pub(in crate::linear) fn check_time(&self, q: &[f64]) -> Result<(), LinearError> {
         let (rows, switches) = {
             let system = self.system.borrow();
@@ -19,10 +22,11 @@ impl LinearisationPoint {
             (description.time_pattern.to_vec(), description.timed_switches.to_vec())
         };
         let refused = |row: usize| Err(LinearError::DependsOnTime { coordinate: self.name(row) });
+        let varies = |row: usize| Err(LinearError::VariesWithTime { coordinate: self.name(row) });
         if !rows.is_empty() {
             for departure in DEPARTURES {
                 if let Some(row) = self.changing_row(&rows, &self.beside(q, departure)) {
-                    return refused(row);
+                    return if departure == 0.0 { refused(row) } else { varies(row) };
                 }
             }
         }
@@ -32,7 +36,7 @@ impl LinearisationPoint {
                 return refused(row);
             }
             if low.derivatives != high.derivatives {
-                return refused(0);
+                return varies(0);
             }
         }
         Ok(())

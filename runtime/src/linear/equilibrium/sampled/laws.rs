@@ -1,6 +1,6 @@
 //! Laws that a sampled loop closes by, where they have a linear model: no time in them, no jump or kink at the rest, the same at every cycle.
 
-use super::rest::{Assignment, Search};
+use super::rest::{Assignment, BESIDE, Search};
 use crate::linear::LinearError;
 use crate::mechanism::{Along, Function, Target, Trigger};
 
@@ -18,20 +18,44 @@ const NOISE: f64 = 1e-5;
 
 impl Search {
     /// # Errors
-    /// [`LinearError::Counted`], [`LinearError::DependsOnTime`], [`LinearError::LawNotSmooth`].
+    /// [`LinearError::Counted`], [`LinearError::DependsOnTime`], [`LinearError::VariesWithTime`], [`LinearError::LawNotSmooth`].
     pub fn laws_are_linear(&mut self) -> Result<(), LinearError> {
         self.count_nothing()?;
         let laws = self.equations();
-        for t in TIMES {
-            let slopes = self.assignments_at(t, &Along { t: 1.0, ..Along::default() });
-            if let Some(law) = laws.iter().find(|law| slopes[law.place] != 0.0) {
-                return Err(LinearError::DependsOnTime { coordinate: self.name(law.target) });
-            }
+        if let Some(target) = self.timed(&laws) {
+            return Err(LinearError::DependsOnTime { coordinate: self.name(target) });
+        }
+        if let Some(target) = self.timed_beside(&laws) {
+            return Err(LinearError::VariesWithTime { coordinate: self.name(target) });
         }
         for variable in self.variables() {
             self.smooth_along(&laws, variable)?;
         }
         Ok(())
+    }
+
+    /// What is set to something that contains time, by its slope.
+    fn timed(&self, laws: &[Assignment]) -> Option<Target> {
+        TIMES.into_iter().find_map(|t| {
+            let slopes = self.assignments_at(t, &Along { t: 1.0, ..Along::default() });
+            laws.iter().find(|law| slopes[law.place] != 0.0).map(|law| law.target)
+        })
+    }
+
+    /// The same beside the rest, where what multiplies time does not vanish.
+    fn timed_beside(&mut self, laws: &[Assignment]) -> Option<Target> {
+        let variables = self.variables();
+        let rest: Vec<f64> = variables.iter().map(|variable| *self.variable(*variable)).collect();
+        for (k, (variable, x)) in variables.iter().zip(&rest).enumerate() {
+            *self.variable(*variable) = x + BESIDE * (1.0 + x.abs()) / (1.0 + k as f64);
+        }
+        self.put_memory();
+        let found = self.timed(laws);
+        for (variable, x) in variables.iter().zip(rest) {
+            *self.variable(*variable) = x;
+        }
+        self.put_memory();
+        found
     }
 
     /// All that a law may read and that departs from the rest.
@@ -47,6 +71,57 @@ impl Search {
             Variable::Rate(i) => &mut self.place.base.v[i],
             Variable::Held(j) => &mut self.memory[j],
         }
+    }
+
+    /// Does something a little beside the rest where slopes of laws at it are not those around it, as of `abs(x)*sign(x)`, which is x but has no
+    /// slope by its factors at 0; else at the rest.
+    pub fn where_slopes_are<T>(&mut self, find: impl FnOnce(&Search) -> T) -> T {
+        if !self.hides_slopes() {
+            return find(self);
+        }
+        let variables = self.variables();
+        let rest: Vec<f64> = variables.iter().map(|variable| *self.variable(*variable)).collect();
+        for (k, (variable, x)) in variables.iter().zip(&rest).enumerate() {
+            *self.variable(*variable) = x + NEAR[1] * (1.0 + x.abs()) / (1.0 + k as f64).sqrt();
+        }
+        self.put_memory();
+        let found = find(self);
+        for (variable, x) in variables.iter().zip(rest) {
+            *self.variable(*variable) = x;
+        }
+        self.put_memory();
+        found
+    }
+
+    /// Whether a slope at the rest is none, or not that of a chord through it.
+    fn hides_slopes(&mut self) -> bool {
+        let (laws, n) = (self.equations(), self.place.base.n);
+        let rest = self.assignments();
+        self.variables().into_iter().any(|variable| {
+            let unit = |i: usize| (0..n).map(|j| f64::from(u8::from(i == j))).collect::<Vec<f64>>();
+            let slopes = match variable {
+                Variable::Place(i) => self.assignments_along(&Along { q: &unit(i), ..Along::default() }),
+                Variable::Rate(i) => self.assignments_along(&Along { v: &unit(i), ..Along::default() }),
+                Variable::Held(j) => self.assignments_along(&Along { memory: Some(j), ..Along::default() }),
+            };
+            let here = *self.variable(variable);
+            let away = NEAR[0] * (1.0 + here.abs());
+            let [above, below] = [away, -away].map(|by| self.assignments_at_value(variable, here + by));
+            self.assignments_at_value(variable, here);
+            laws.iter().any(|law| {
+                let chord = (above[law.place] - below[law.place]) / (2.0 * away);
+                let slope = slopes[law.place];
+                let same = DIFFER * slope.abs().max(chord.abs()) + NOISE * rest[law.place].abs();
+                slope.is_nan() || (slope - chord).abs() > same
+            })
+        })
+    }
+
+    /// What is set where a variable has this value from now on.
+    fn assignments_at_value(&mut self, variable: Variable, value: f64) -> Vec<f64> {
+        *self.variable(variable) = value;
+        self.put_memory();
+        self.assignments()
     }
 
     /// Refuses ticks that act only where a held value that ticks set, or time, says so.
@@ -91,11 +166,7 @@ impl Search {
     /// Refuses laws that jump or turn sharply where one variable departs from the rest.
     fn smooth_along(&mut self, laws: &[Assignment], variable: Variable) -> Result<(), LinearError> {
         let here = *self.variable(variable);
-        let mut at = |x: f64| {
-            *self.variable(variable) = x;
-            self.put_memory();
-            self.assignments()
-        };
+        let mut at = |x: f64| self.assignments_at_value(variable, x);
         let sides = NEAR.map(|part| {
             let away = part * (1.0 + here.abs());
             (away, at(here + away), at(here - away))

@@ -157,12 +157,20 @@ pub fn linearise_sampled<S: System + ?Sized>(
 /// The rest of the loop nearest to a guess.
 fn at_rest<S: System + ?Sized>(system: &S, guess: &Guess, memory: &[f64]) -> Result<Search, LinearError> {
     let mut search = Search::new(system, guess, memory)?;
-    search.place.check()?;
-    search.find_read();
-    let iterations = search.newton().map_err(|iterations| search.nowhere(iterations))?;
-    if !search.is_met(BALANCED) {
-        return Err(search.nowhere(iterations));
+    let checked = search.place.check();
+    if checked.as_ref().is_err_and(|error| !error.is_of_time()) {
+        checked.clone()?;
     }
+    search.find_read();
+    let nowhere = |search: &Search, iterations: usize| match &checked {
+        Err(error) => error.clone().without_rest(),
+        Ok(()) => search.nowhere(iterations),
+    };
+    let iterations = search.newton().map_err(|iterations| nowhere(&search, iterations))?;
+    if !search.is_met(BALANCED) {
+        return Err(nowhere(&search, iterations));
+    }
+    checked.and_then(|()| search.place.check())?;
     search.place.check_rest()?;
     Ok(search)
 }
@@ -171,8 +179,16 @@ fn at_rest<S: System + ?Sized>(system: &S, guess: &Guess, memory: &[f64]) -> Res
 struct Law {
     /// The coordinates that are independent, the hidden ones last.
     independent: Vec<usize>,
+    flow: Flow,
+}
+
+/// [A B; 0 0], and a jump for each instant of a cycle.
+#[derive(Clone)]
+struct Flow {
     field: DMatrix<f64>,
     jumps: Vec<DMatrix<f64>>,
+    /// The fastest turn of a motion between ticks, rad/s: its exponential is rounded with each turn.
+    turning: f64,
 }
 
 impl Flow {
@@ -184,16 +200,8 @@ impl Flow {
     /// The map over a cycle, whose times are multiplied by a factor.
     fn map(&self, cycle: &Cycle, factor: f64) -> DMatrix<f64> {
         let mut gaps: Vec<(f64, DMatrix<f64>)> = Vec::new();
-    flow: Flow,
-}
-
-/// [A B; 0 0], and a jump for each instant of a cycle.
-#[derive(Clone)]
-struct Flow {
         let mut product = DMatrix::identity(self.field.nrows(), self.field.nrows());
         for (jump, (_, gap)) in self.jumps.iter().zip(&cycle.instants) {
-    /// The fastest turn of a motion between ticks, rad/s: its exponential is rounded with each turn.
-    turning: f64,
             let gap = factor * gap;
             let known = gaps.iter().position(|(known, _)| (known - gap).abs() <= INSTANT * gap);
             let place = known.unwrap_or_else(|| {
@@ -206,14 +214,6 @@ struct Flow {
     }
 }
 
-impl Search {
-    /// How departures from the rest that was found move.
-    fn law(&self, cycle: &Cycle) -> Result<Law, LinearError> {
-        let (base, q) = (&self.place.base, &self.place.q);
-        if let Some(jump) = base.jumps(q).first() {
-            return Err(LinearError::NotSmooth { switch: jump.switch.clone() });
-        }
-        if let Some(switch) = base.kink(q) {
 impl Flow {
     /// All eigenvalues that are not 0 of the map over a cycle, which is known, the largest first; and the exponents of those motions that ticks leave
     /// alone.
@@ -294,19 +294,19 @@ impl Search {
             variables: names.chain(rates).chain(of_loop).collect(),
             matrix,
             multipliers,
+            errors: found.iter().map(|value| value.error).collect(),
             forgotten,
+            alone,
             exponents,
             critical_factor: critical.longer,
             least_factor: critical.shorter,
+            looked: critical.looked,
             varied: critical.varied,
             rest: (self.place.guess(inputs), self.memory.clone()),
-            errors: found.iter().map(|value| value.error).collect(),
         })
-            alone,
     }
 
     /// The slopes of all assignments by [x; m], a column for each; accelerations and reactions change as x and m say.
-            looked: critical.looked,
     ///
     /// # Errors
     /// Those of the reactions.

@@ -9,7 +9,7 @@ use crate::linear::{LinearError, Residual};
 use crate::mechanism::{Action, Along, At, Function, System, Target, Trigger};
 
 /// A slope that vanishes at the guess by accident does not vanish so far beside it too.
-const BESIDE: f64 = 0.37;
+pub(super) const BESIDE: f64 = 0.37;
 
 /// A value that a tick sets: of which event, what, and its place among all assignments.
 pub(super) struct Assignment {
