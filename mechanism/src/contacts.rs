@@ -6,7 +6,11 @@ use core::fmt;
 
 use super::{List, Text};
 
-/// All contacts of a mechanism.  Its phases are the combinations of their modes, the last contact's changing fastest.
+/// All combinations of what contacts do are phases up to so many.
+pub const MOST_COMBINATIONS: usize = 256;
+
+/// All contacts of a mechanism.  Its phases are the combinations of their modes, the last contact's changing fastest; where there are more than
+/// [`MOST_COMBINATIONS`] of these, the first mode of each, and then each other mode of each contact by itself ([`Contacts::are_single`]).
 ///
 /// ```
 /// use dalembert::prelude::*;
@@ -195,9 +199,30 @@ impl Contacts {
         self.all.iter().flat_map(|contact| contact.normal.into_iter().chain(contact.tangents()))
     }
 
+    /// How many combinations of what they do there are; `None`: more than a `usize` counts.
+    pub fn combinations(&self) -> Option<usize> {
+        self.all.iter().try_fold(1_usize, |count, contact| count.checked_mul(contact.modes().len()))
+    }
+
+    /// Whether these are so many that only what each contact does by itself is a phase: such a mechanism is for time stepping.
+    pub fn are_single(&self) -> bool {
+        self.combinations().is_none_or(|count| count > MOST_COMBINATIONS)
+    }
+
     /// The mode of each contact in a phase.
     #[cfg(feature = "alloc")]
     pub fn modes(&self, phase: usize) -> Vec<ContactMode> {
+        if self.are_single() {
+            let mut rest = phase;
+            let of = |contact: &Contact| {
+                let modes = contact.modes();
+                let place = if (1..modes.len()).contains(&rest) { rest } else { 0 };
+                // Beyond its own phases, or before them, it is as at first.
+                rest = if rest < modes.len() { 0 } else { rest - (modes.len() - 1) };
+                modes[place]
+            };
+            return self.all.iter().map(of).collect();
+        }
         let mut rest = phase;
         let mut modes: Vec<ContactMode> = self
             .all
@@ -214,12 +239,22 @@ impl Contacts {
         modes
     }
 
-    /// The phase in which the contacts are in these modes.
+    /// The phase in which the contacts are in these modes; of contacts of which only single ones have phases, that of the first one that is not
+    /// as at first.
     pub fn phase(&self, modes: &[ContactMode]) -> usize {
-        self.all.iter().zip(modes).fold(0, |phase, (contact, mode)| {
-            let place = contact.modes().iter().position(|of| of == mode).unwrap_or(0);
-            phase * contact.modes().len() + place
-        })
+        let place =
+            |(contact, mode): (&Contact, &ContactMode)| contact.modes().iter().position(|of| of == mode).unwrap_or(0);
+        if self.are_single() {
+            let mut before = 0;
+            for pair in self.all.iter().zip(modes) {
+                match place(pair) {
+                    0 => before += pair.0.modes().len() - 1,
+                    place => return before + place,
+                }
+            }
+            return 0;
+        }
+        self.all.iter().zip(modes).fold(0, |phase, pair| phase * pair.0.modes().len() + place(pair))
     }
 }
 
@@ -240,5 +275,22 @@ mod tests {
         assert_eq!(all[0], [ContactMode::SlipsForwards, ContactMode::Open, ContactMode::Open]);
         assert_eq!(all[5], [ContactMode::SlipsForwards, ContactMode::Closed, ContactMode::SlipsForwards]);
         assert_eq!(all[23], [ContactMode::Sticks, ContactMode::Closed, ContactMode::Sticks]);
+    }
+
+    #[test]
+    fn of_too_many_contacts_each_has_phases_by_itself() {
+        let both = Contact { normal: Some(0), tangent: Some(1), ..Contact::default() };
+        let rubs = Contact { tangent: Some(2), ..Contact::default() };
+        let all = vec![both.clone(), rubs, both.clone(), both.clone(), both];
+        let contacts = Contacts { all: all.into(), law: None };
+        assert!(contacts.combinations() == Some(768) && contacts.are_single());
+        let phases: Vec<Vec<ContactMode>> = (0..15).map(|phase| contacts.modes(phase)).collect();
+        assert!(phases.iter().enumerate().all(|(phase, modes)| contacts.phase(modes) == phase));
+        let first =
+            [ContactMode::Open, ContactMode::SlipsForwards, ContactMode::Open, ContactMode::Open, ContactMode::Open];
+        assert_eq!(phases[0], first);
+        let others = |modes: &Vec<ContactMode>| modes.iter().zip(&first).filter(|(mode, first)| mode != first).count();
+        assert!(phases[1..].iter().all(|modes| others(modes) == 1));
+        assert_eq!(phases[14][4], ContactMode::Sticks);
     }
 }

@@ -47,7 +47,7 @@ mod table_2d;
 
 #[doc(hidden)]
 pub use contacts::NO_CONTACTS;
-pub use contacts::{Contact, ContactEvent, ContactMode, Contacts, ImpactLaw};
+pub use contacts::{Contact, ContactEvent, ContactMode, Contacts, ImpactLaw, MOST_COMBINATIONS};
 #[doc(hidden)]
 pub use description::HIDDEN;
 #[cfg(feature = "alloc")]

@@ -8,7 +8,7 @@ use dalembert_symbolic::expr::{Id, Symbol};
 use dalembert_symbolic::file;
 use dalembert_symbolic::gate::{Conservative, Nature, Origin, Report, shared_data};
 use dalembert_symbolic::lower::Program;
-use dalembert_symbolic::model::{Contact, EventAction, HIDDEN, Model};
+use dalembert_symbolic::model::{Contact, EventAction, HIDDEN, MOST_COMBINATIONS, Model};
 use dalembert_symbolic::number::DoubleDouble;
 use serde_json::Value;
 
@@ -57,6 +57,9 @@ fn one(context: Context<'_>, name: &str, options: &ArgMatches, out: &mut dyn Wri
     }
     for rotation in &program.model.rotations {
         writeln!(out, "  {} is a rotation: 4 numbers, 3 degrees of freedom", rotation.name)?;
+    }
+    if let Some(line) = single_contacts(&program.model) {
+        writeln!(out, "  {line}")?;
     }
     for agreement in &program.report.agreements {
         let (first, second) = &agreement.between;
@@ -107,6 +110,17 @@ fn size_in_words(model: &Model) -> String {
         k => format!(", {k} held values"),
     };
     format!("{n} coordinate{}{first_order}{held}", if n == 1 { "" } else { "s" })
+}
+
+/// What is said of contacts that have more combinations than phases.
+fn single_contacts(model: &Model) -> Option<String> {
+    model.contacts_are_single().then(|| {
+        format!(
+            "{} contacts and frictions, of which each is judged by itself: they have more than {MOST_COMBINATIONS} combinations, which only \
+             `--method moreau` runs, with a step",
+            model.contacts.len()
+        )
+    })
 }
 
 /// What is conserved, with what changes it, and what holds.

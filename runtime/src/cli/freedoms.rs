@@ -4,9 +4,17 @@ use dalembert_symbolic::diagnose::listed;
 use dalembert_symbolic::gate::{Freedoms, Integrability};
 use dalembert_symbolic::lower::Program;
 
-/// One line a phase; none for a model without constraints.
+/// One line a phase; none for a model without constraints, and of contacts that have phases by themselves only that of the first.
 pub fn lines(program: &Program) -> Vec<String> {
-    program.report.freedoms.iter().enumerate().map(|(phase, freedoms)| line(program, phase, freedoms)).collect()
+    let most = if program.model.contacts_are_single() { 1 } else { usize::MAX };
+    program
+        .report
+        .freedoms
+        .iter()
+        .enumerate()
+        .take(most)
+        .map(|(phase, freedoms)| line(program, phase, freedoms))
+        .collect()
 }
 
 fn line(program: &Program, phase: usize, freedoms: &Freedoms) -> String {

@@ -5,7 +5,7 @@ use super::rows::Constraints;
 use super::state::State;
 use crate::derive::Rows;
 use crate::expr::Tape;
-use crate::model::{Contact, ContactMode, Model, combinations};
+use crate::model::{Contact, ContactMode, Model, modes_of_phases};
 use crate::number::DoubleDouble;
 
 /// So often states are moved before they are given up.
@@ -36,6 +36,9 @@ impl ContactStates {
         let row = |constraint: usize| model.constraints[constraint].first;
         let rows: Vec<usize> = model.contacts.iter().filter_map(|contact| contact.normal.map(row)).collect();
         let gaps: Vec<_> = rows.iter().map(|row| all.value[*row]).collect();
+        let modes: Vec<&[ContactMode]> = model.contacts.iter().map(Contact::modes).collect();
+        // Time stepping lets sides overlap a little, and many gaps are seldom open in a state that is drawn.
+        let single = model.contacts_are_single();
         let said = |modes: Vec<ContactMode>| {
             let mut said = Said { open: Vec::new(), sliding: Vec::new(), in_space: Vec::new() };
             for (contact, mode) in model.contacts.iter().zip(modes) {
@@ -45,15 +48,14 @@ impl ContactStates {
                     Some(direction) => said.in_space.extend(slides.map(|row| (row, direction))),
                     None => said.sliding.extend(slides.map(|row| (row, sign))),
                 }
-                let gap = contact.normal.filter(|_| !mode.touches()).map(row);
+                let gap = contact.normal.filter(|_| !mode.touches() && !single).map(row);
                 said.open.extend(gap.and_then(|gap| rows.iter().position(|row| *row == gap)));
             }
             said
         };
-        let modes: Vec<&[ContactMode]> = model.contacts.iter().map(Contact::modes).collect();
         ContactStates {
             gaps: Tape::new(&model.graph, &gaps),
-            phases: combinations(&modes).into_iter().map(said).collect(),
+            phases: modes_of_phases(&modes).into_iter().map(said).collect(),
             rows,
         }
     }

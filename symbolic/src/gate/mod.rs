@@ -329,7 +329,10 @@ fn left_out_by_sample(model: &Model) -> Option<String> {
 fn too_many_coupled(model: &Model, motion: &motion::Motion) -> Option<Place> {
     let phases =
         (0..motion.constraints.phases()).filter_map(|phase| motion.constraints.active(phase).get(COUPLED_LIMIT));
-    let coupled = motion.coupled.iter().filter_map(|block| block.get(COUPLED_LIMIT)).copied();
+    // Of contacts that have phases by themselves only one at a time has rows.
+    let contacts = if model.contacts_are_single() { model.contact_rows() } else { Vec::new() };
+    let solved = |i: &&usize| !(**i >= motion.n && contacts.contains(&(**i - motion.n)));
+    let coupled = motion.coupled.iter().filter_map(|block| block.iter().filter(solved).nth(COUPLED_LIMIT)).copied();
     let extra = coupled.chain(phases.map(|row| motion.n + row)).next()?;
     match model.coordinates.get(extra) {
         Some(coordinate) => Some(coordinate.place.clone()),

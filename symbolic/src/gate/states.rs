@@ -31,8 +31,10 @@ const MOST_PHASES: usize = 8;
 /// number add up to more than this.
 const OWN: usize = 10;
 const CUBES: usize = 100_000_000;
-/// So many phases are searched for discontinuities.
+/// So many phases are searched for discontinuities; of contacts that have phases by themselves the first, whose functions those of all others are.
 const SEARCHED: usize = 32;
+/// Each of these has so many states, and so many positions with the scene's own parameters: all contacts together have very many.
+const ALONE: usize = 1;
 /// With so many states that meet the constraints something can be said.
 const FEWEST: usize = 4;
 /// So many states come from the motion of each scene.
@@ -95,12 +97,13 @@ pub(super) fn states(
         let until = trajectories.iter().map(|run| run.until).fold(0.0, f64::max);
         let until = if until > 0.0 { until } else { 10.0 };
         // What acts in one phase may be claimed of another: each is searched for itself.
-        for (phase, bases) in bases.iter().enumerate().take(SEARCHED) {
+        let searched = if model.contacts_are_single() { ALONE } else { SEARCHED };
+        for (phase, bases) in bases.iter().enumerate().take(searched) {
             let paths: Vec<&[State]> = paths.iter().filter(|p| p[0].phase == phase).map(Vec::as_slice).collect();
             search.beside_discontinuities(&draws, phase, (bases, &paths), until, &mut found);
         }
-        if phases > SEARCHED {
-            found.unreached.push(format!("discontinuities were looked for in {SEARCHED} of {phases} phases"));
+        if phases > searched {
+            found.unreached.push(format!("discontinuities were looked for in {searched} of {phases} phases"));
         }
     }
     Ok(found)
@@ -129,7 +132,8 @@ struct StateSearch<'a> {
 impl StateSearch<'_> {
     /// States in which one group of coordinates moves, the others at rest.
     fn groups_alone(&self, draws: &mut Draws<'_>, when: &[(usize, f64)], kept: &mut Vec<State>) {
-        for phase in 0..self.usual.len().min(MOST_PHASES) {
+        let most = if self.model.contacts_are_single() { ALONE } else { MOST_PHASES };
+        for phase in 0..self.usual.len().min(most) {
             for group in groups(self.model).into_iter().take(self.room / 4) {
                 let mut state = draws.group(&group, when);
                 state.phase = phase;
@@ -308,7 +312,8 @@ fn drawn(
     let (mut singular, mut nearly): (Option<Singular>, _) = (None, Vec::new());
     let mut tried = 0;
     let phases = motion.constraints.phases();
-    let wanted = (wanted * phases.min(MOST_PHASES)).max(if phases > 1 { FEWEST * phases } else { 0 });
+    let fewest = if model.contacts_are_single() { ALONE } else { FEWEST };
+    let wanted = (wanted * phases.min(MOST_PHASES)).max(if phases > 1 { fewest * phases } else { 0 });
     let most = DRAWS.max(3 * wanted);
     // Lengths that are drawn may not close: then those of the file serve.
     let own = own_parameters(model);
@@ -345,7 +350,7 @@ fn drawn(
         }
     }
     // Where there are no others they serve.
-    let few = |all: &[State], phase: usize| all.iter().filter(|state| state.phase == phase).count() < FEWEST;
+    let few = |all: &[State], phase: usize| all.iter().filter(|state| state.phase == phase).count() < fewest;
     let phases_without: Vec<usize> = (0..phases).filter(|phase| few(&found.all, *phase)).collect();
     found.all.extend(nearly.into_iter().filter(|state| phases_without.contains(&state.phase)).take(wanted));
     motion.constraints.regular(&mut found.all);
@@ -427,7 +432,10 @@ pub(super) fn own_positions(model: &Model, motion: &Motion) -> Vec<State> {
         let mut last = draws.first(&own);
         (last.phase, last.own) = (phase, true);
         let before = found.len();
-        let wanted = (CUBES / motion.constraints.active(phase).len().pow(3)).clamp(3, OWN);
+        let wanted = match model.contacts_are_single() {
+            true => ALONE,
+            false => (CUBES / motion.constraints.active(phase).len().pow(3)).clamp(3, OWN),
+        };
         for _ in 0..4 * wanted {
             let mut state = draws.nearby(&last);
             if motion.place(&mut state) {

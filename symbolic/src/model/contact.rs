@@ -102,13 +102,33 @@ pub enum ImpactLaw {
     Poisson,
 }
 
-/// The modes of all contacts in every phase, the last contact's changing fastest.
-pub fn combinations(of: &[&'static [ContactMode]]) -> Vec<Vec<ContactMode>> {
-    of.iter().fold(vec![Vec::new()], |before, modes| {
-        let with = |one: &Vec<ContactMode>| {
-            let one = one.clone();
-            modes.iter().map(move |mode| [one.as_slice(), &[*mode]].concat()).collect::<Vec<_>>()
-        };
-        before.iter().flat_map(with).collect()
-    })
+/// All combinations of what contacts do are phases up to so many: four contacts with friction have them.
+pub const MOST_COMBINATIONS: usize = 256;
+
+/// Whether contacts with these modes have more than [`MOST_COMBINATIONS`]: then only what each does alone is a phase.
+pub fn are_single(of: &[&'static [ContactMode]]) -> bool {
+    let count = of.iter().try_fold(1_usize, |count, modes| count.checked_mul(modes.len()));
+    count.is_none_or(|count| count > MOST_COMBINATIONS)
+}
+
+/// The modes of all contacts in every phase: all combinations, the last contact's changing fastest; or, where these are too many, the first
+/// modes of all, and then each other mode of each contact by itself.
+pub fn modes_of_phases(of: &[&'static [ContactMode]]) -> Vec<Vec<ContactMode>> {
+    if !are_single(of) {
+        return of.iter().fold(vec![Vec::new()], |before, modes| {
+            let with = |one: &Vec<ContactMode>| {
+                let one = one.clone();
+                modes.iter().map(move |mode| [one.as_slice(), &[*mode]].concat()).collect::<Vec<_>>()
+            };
+            before.iter().flat_map(with).collect()
+        });
+    }
+    let first: Vec<ContactMode> = of.iter().map(|modes| modes[0]).collect();
+    let alone = |(k, mode): (usize, ContactMode)| {
+        let mut modes = first.clone();
+        modes[k] = mode;
+        modes
+    };
+    let others = of.iter().enumerate().flat_map(|(k, modes)| modes[1..].iter().map(move |mode| (k, *mode)));
+    std::iter::once(first.clone()).chain(others.map(alone)).collect()
 }

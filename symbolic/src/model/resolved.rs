@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::contact::{Contact, ImpactLaw};
+use super::contact::{Contact, ImpactLaw, are_single};
 use super::event::{Clock, Event, HeldValue, Noise, Set};
 use super::expression::dimension::Measure;
 use super::expression::scope::Scope;
@@ -183,6 +183,11 @@ impl Model {
         let mut rows: Vec<usize> = constraints.flat_map(Constraint::rows).collect();
         rows.sort_unstable();
         rows
+    }
+
+    /// Whether contacts have so many combinations of what they do that only what each does by itself is a phase.
+    pub fn contacts_are_single(&self) -> bool {
+        are_single(&self.contacts.iter().map(Contact::modes).collect::<Vec<_>>())
     }
 
     /// The rows of these constraints, which contacts have.

@@ -13,7 +13,7 @@ use crate::diagnose::catalogue::{contacts, names, sections};
 use crate::diagnose::did_you_mean_or;
 use crate::expr::{Id, Symbol, vectors};
 use crate::file::{Quantity, Spot, Text, Written};
-use crate::model::contact::{Contact, ContactMode, ImpactLaw, combinations};
+use crate::model::contact::{Contact, ContactMode, ImpactLaw, are_single, modes_of_phases};
 use crate::model::event::{Event, EventAction, Trigger};
 use crate::model::expression::dimension::Dimension;
 use crate::model::expression::families::Locals;
@@ -22,8 +22,8 @@ use crate::model::expression::scope::{ConstraintNames, Entry, JointRow, Member, 
 use crate::model::resolved::{Phase, Work};
 use crate::model::resolver::Resolver;
 
-/// All combinations of modes are phases of their own: four contacts with friction have so many.
-const MOST_PHASES: usize = 256;
+/// Each contact is derived and judged by itself, in time that grows faster than their number: so many take minutes.
+const MOST_CONTACTS: usize = 500;
 
 /// A force that is at its limit but for this part of it sticks, some thirty roundings: blocks on each other that are equally rough reach their
 /// limits together, and rounding of forces must not decide which slips.
@@ -254,29 +254,36 @@ impl Resolver<'_> {
         })))
     }
 
-    /// A phase for each combination of what the contacts do, each with the constraints that hold then; false where the file has no contacts.
+    /// A phase for each combination of what the contacts do, or where these are too many for what each does alone, with the constraints that hold
+    /// then; false where the file has no contacts.
     pub fn phases_of_contacts(&mut self) -> bool {
         let Some(first) = ["friction", "contacts"].into_iter().find_map(|key| self.root.get(key)) else { return false };
         let place = first.place.of_key();
         if let Some(phases) = self.root.get("phases") {
             self.builder.problems.push(contacts::phases_beside_contacts(phases.place.of_key()));
         }
-        let modes: Vec<&'static [ContactMode]> = self.contacts.iter().map(ContactText::modes).collect();
-        let count = modes.iter().try_fold(1_usize, |count, modes| count.checked_mul(modes.len()));
+        let of = self.modes_of_contacts();
         let always = |place: &usize| {
             !self.contacts.iter().any(|contact| [contact.normal, contact.tangent].contains(&Some(*place)))
         };
         let always: Vec<usize> = (0..self.scope.constraints.len()).filter(always).collect();
-        if count.is_none_or(|count| count > MOST_PHASES) {
-            self.builder.problems.push(contacts::too_many_contacts(place.clone(), MOST_PHASES));
+        if self.contacts.len() > MOST_CONTACTS {
+            let count = self.contacts.len();
+            self.builder.problems.push(contacts::too_many_contacts(place.clone(), count, MOST_CONTACTS));
             self.model.phases = vec![Phase { name: String::new(), constraints: always, place }];
             self.contacts.clear();
             return true;
         }
+        let single = are_single(&of);
         self.model.phases.clear();
-        for modes in combinations(&modes) {
-            let name: Vec<String> =
-                self.contacts.iter().zip(&modes).map(|(c, mode)| format!("{} {}", c.name, mode.words())).collect();
+        for modes in modes_of_phases(&of) {
+            let all = self.contacts.iter().zip(&modes).zip(&of);
+            // Of single contacts only what one does otherwise than at first is said.
+            let said = all.filter(|((_, mode), of)| !single || **mode != of[0]);
+            let mut name: Vec<String> = said.map(|((c, mode), _)| format!("{} {}", c.name, mode.words())).collect();
+            if name.is_empty() {
+                name.push("all open".to_owned());
+            }
             let mut constraints = always.clone();
             for (contact, mode) in self.contacts.iter().zip(&modes) {
                 constraints.extend(contact.normal.filter(|_| mode.touches()));
@@ -288,11 +295,14 @@ impl Resolver<'_> {
         true
     }
 
+    fn modes_of_contacts(&self) -> Vec<&'static [ContactMode]> {
+        self.contacts.iter().map(ContactText::modes).collect()
+    }
+
     /// The phases in which a contact is in one of these modes.
     pub(super) fn phases_with(&self, contact: usize, is: impl Fn(ContactMode) -> bool) -> Vec<usize> {
-        let modes: Vec<&'static [ContactMode]> = self.contacts.iter().map(ContactText::modes).collect();
-        let combinations = combinations(&modes).into_iter().enumerate();
-        combinations.filter(|(_, modes)| is(modes[contact])).map(|(phase, _)| phase).collect()
+        let phases = modes_of_phases(&self.modes_of_contacts()).into_iter().enumerate();
+        phases.filter(|(_, modes)| is(modes[contact])).map(|(phase, _)| phase).collect()
     }
 
     /// The phases that an entry names by what contacts do in them: `rub sticks`, or `rub sticks, left slips forwards`, or a list of these.
