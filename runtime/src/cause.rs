@@ -134,6 +134,20 @@ pub enum Cause {
         /// Which of both it is.
         is_coefficient: bool,
     },
+    /// The impulses of a step over contacts were not found: projections in turn do not come to an end, or constraints close a gap.
+    UnsolvedContacts {
+        /// The contact whose impulse changed most in the last round, or whose gap closes.
+        contact: String,
+        /// By how much, as a part of the largest; ∞ where constraints close its gap.
+        residual: f64,
+        /// How many rounds were made.
+        rounds: u32,
+    },
+    /// A force that is no friction is made of a reaction, which steps over contacts do not know beforehand.
+    ForceOfReaction {
+        /// The constraint or contact.
+        constraint: String,
+    },
     /// The limit of a friction while it sticks is smaller than while it slides.
     StaticBelowLimit {
         /// The friction or contact.
@@ -345,6 +359,8 @@ impl Cause {
             Cause::UndecidedContacts { .. } => "undecided contacts",
             Cause::NegativeLimit { .. } => "negative limit",
             Cause::StaticBelowLimit { .. } => "static below limit",
+            Cause::UnsolvedContacts { .. } => "unsolved contacts",
+            Cause::ForceOfReaction { .. } => "force of a reaction",
             Cause::Penetrates { .. } => "penetrates",
             Cause::SimultaneousImpacts { .. } => "simultaneous impacts",
             Cause::EndlessImpacts { .. } => "endless impacts",
@@ -573,6 +589,20 @@ impl fmt::Display for Cause {
                     }
                 }
             }
+            Cause::UnsolvedContacts { contact, residual, rounds } if residual.is_finite() => write!(
+                f,
+                "unsolved contacts: after {rounds} rounds the impulses of a step still change, most that of `{contact}`, by {} of the largest; \
+                 a shorter step has smaller impulses",
+                short(*residual)
+            ),
+            Cause::UnsolvedContacts { contact, .. } => {
+                write!(f, "unsolved contacts: constraints close the gap of `{contact}`, which no impulse can keep open")
+            }
+            Cause::ForceOfReaction { constraint } => write!(
+                f,
+                "force of a reaction: a force that is no friction is made of `reaction({constraint})`, which steps over contacts do not know \
+                 beforehand; write it as `friction`, or take a method that locates events"
+            ),
             Cause::NoSeries { reason } => write!(f, "there is no power series any more, since {reason}"),
             Cause::NeedsMoreSteps { step, needed, limit } => write!(
                 f,

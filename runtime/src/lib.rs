@@ -85,9 +85,12 @@ pub use constrain::Residuals;
 pub use dalembert_macros::model;
 #[doc(hidden)]
 pub use dalembert_mechanism::generated_for;
-pub use error::{Error, Inseparable, NoOrbit, NoSlopes, Nonlinear, NotFound};
+pub use error::{Error, Inseparable, NoOrbit, NoSlopes, Nonlinear, NotFound, Unsteppable};
 pub use mechanism::{Enforcement, Method, ParseMethodError, Stabilisation};
-pub use run::{ContactHistory, Digits, Failure, Impulse, Occurrence, Run, RunPart, State, Symmetry, Trust, Work};
+pub use run::{
+    ContactHistory, Digits, Failure, Impulse, Occurrence, Overlap, Run, RunPart, State, SteppedContact, SteppedOver,
+    Symmetry, Trust, Work,
+};
 pub use simulate::{
     Settings, Simulate, Simulation, StateMut, Stepping, enter_initial_phase, initial_state, simulate, simulate_with,
 };

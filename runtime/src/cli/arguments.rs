@@ -208,7 +208,7 @@ fn simulate() -> Command {
         .args(sizes())
         .arg(quiet())
         .args(scene())
-        .arg(value("method", "METHOD", "auto [default], dop853, rkn8, dopri5, rk4, midpoint, euler; verlet (or rattle), srkn4, suzuki4, kahanli8, gauss2, gauss4, gauss6; radau5, rodas5p; taylor; exact"))
+        .arg(value("method", "METHOD", "auto [default], dop853, rkn8, dopri5, rk4, midpoint, euler; verlet (or rattle), srkn4, suzuki4, kahanli8, gauss2, gauss4, gauss6; radau5, rodas5p; taylor; exact; moreau (steps over contacts)"))
         .arg(value("step", "TIME", "A fixed step"))
         .arg(value("max-steps", "COUNT", "No more steps than these [default: 10000000]").value_parser(clap::value_parser!(u64)))
         .arg(ignored())

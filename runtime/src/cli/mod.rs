@@ -15,6 +15,7 @@ mod chart;
 mod check;
 mod compare;
 mod completions;
+mod contacts;
 mod context;
 mod drawn;
 mod enforcement;

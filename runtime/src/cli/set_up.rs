@@ -11,9 +11,9 @@ use super::arguments::MOTION;
 use super::load::{Loaded, pairs};
 use super::plotted::parts;
 use super::{Context, Problem, outputs, value_files};
-use crate::Settings;
-use crate::mechanism::{Interpreted, System};
+use crate::mechanism::{Interpreted, Method, System};
 use crate::simulate::{Described, Origin};
+use crate::{NoSlopes, Settings};
 
 /// Applies `--scene`, `--params`, `--set`, `--state`, `--start`, `--input`, `--until`, `--tolerance`, `--every`, `--step`,
 /// `--max-steps` and `--ignore`.
@@ -334,6 +334,9 @@ pub fn for_search(context: Context<'_>, options: &ArgMatches, files: &[&str]) ->
     let mut settings = set_up(&mut loaded, options)?;
     settings.interruption = context.interruption().into();
     set_method(&mut settings, options)?;
+    if settings.method == Method::Moreau {
+        return Err(Problem::usage(NoSlopes::StepsOver));
+    }
     for warning in &loaded.warnings {
         eprintln!("warning: {warning}");
     }

@@ -16,13 +16,13 @@ use super::json::{number, object};
 use super::load::Loaded;
 use super::plotted::{self, Shown};
 use super::set_up::{set_method, set_up, set_up_scene};
-use super::{Context, Problem, compare, drawn, enforcement, outputs, slopes, symmetries, value_files};
-use crate::mechanism::{self, Action, ContactMode, Description, Enforcement, Stabilisation, Target};
+use super::{Context, Problem, compare, contacts, drawn, enforcement, outputs, slopes, symmetries, value_files};
+use crate::mechanism::{self, Action, Description, Enforcement, Stabilisation, Target};
 use crate::numbers::{short, spaced};
 use crate::run::{RunPart, Work};
 use crate::show::{Animation, has_units};
 use crate::simulate::{LAGRANGE, estimate_global_error};
-use crate::{ContactHistory, Error, Impulse, Run, Settings, Slopes};
+use crate::{Error, Impulse, Run, Settings, Slopes};
 
 /// Runs, writes files that were asked for, and prints the outcome; a run that failed is written and printed too.
 pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
@@ -337,9 +337,7 @@ fn in_words(
     }
     events(run, out)?;
     impulses_in_words(loaded, run, out)?;
-    for contact in run.contacts() {
-        writeln!(out, "  {}", history(&contact))?;
-    }
+    contacts::write(run, out)?;
     write!(out, "{}", run.trust())?;
     for line in what_sets(run) {
         writeln!(out, "memory         {line}")?;
@@ -420,26 +418,6 @@ fn impulses_in_words(loaded: &Loaded, run: &Run, out: &mut dyn Write) -> Result<
     Ok(())
 }
 
-/// `rub slips forwards for 1 s, sticks for 2 s and holds up to 0.75 of its limit`.
-fn history(contact: &ContactHistory) -> String {
-    let one = |(mode, span): &(ContactMode, f64)| {
-        let held = contact.held.filter(|_| *mode == ContactMode::Sticks);
-        let held = held.map_or_else(String::new, |part| format!(" and holds up to {part:.2} of its limit"));
-        format!("{mode} for {} s{held}", short(*span))
-    };
-    format!("{} {}", contact.name, contact.modes.iter().map(one).collect::<Vec<_>>().join(", "))
-}
-
-/// Modes with their durations, s, and `held`, the largest part of its limit that held each where it stuck.
-fn contacts(run: &Run) -> Value {
-    let one = |contact: ContactHistory| {
-        let modes = contact.modes.iter().map(|(mode, span)| (mode.to_string(), number(*span)));
-        let held = contact.held.map_or(Value::Null, number);
-        (contact.name.clone(), object(modes.chain([("held".to_owned(), held)])))
-    };
-    object(run.contacts().into_iter().map(one))
-}
-
 /// What each event sets, and how many ticks it had: `tick sets u and n, at 401 ticks`.
 fn what_sets(run: &Run) -> Vec<String> {
     let (description, sampling) = (&run.description, &run.sampling);
@@ -477,7 +455,7 @@ fn as_json(loaded: &Loaded, settings: &Settings, run: &Run) -> Value {
     let balance = run.energy_balance.map_or(Value::Null, number);
     let residuals = run.residuals.unwrap_or_default();
     let warnings = loaded.warnings.iter().cloned().chain(run.warnings.iter().map(ToString::to_string));
-    object([
+    let told = [
         ("model", json!(loaded.name)),
         ("source", json!(format!("{:016x}", fnv1a(&loaded.source)))),
         ("method", json!(run.by())),
@@ -506,14 +484,15 @@ fn as_json(loaded: &Loaded, settings: &Settings, run: &Run) -> Value {
                 .into(),
         ),
         ("impulses", impulses(description, run)),
-        ("contacts", contacts(run)),
+        ("contacts", contacts::of_run(run)),
         ("work", work(&run.work)),
         ("digits", digits(run)),
         ("digits_until", run.digits_until().map_or(Value::Null, number)),
         ("errors", errors(run)),
         ("seconds", number(run.seconds)),
         ("warnings", json!(warnings.collect::<Vec<String>>())),
-    ])
+    ];
+    object(told.into_iter().chain(contacts::stepped_over(run)))
 }
 
 fn work(work: &Work) -> Value {

@@ -103,7 +103,7 @@ impl Integration {
         system: &mut dyn System,
         recorder: &mut Recorder,
     ) -> Result<(), Box<Cause>> {
-        if !system.contacts().all.iter().any(|contact| contact.direction.is_some()) {
+        if self.steps_over() || !system.contacts().all.iter().any(|contact| contact.direction.is_some()) {
             return Ok(());
         }
         self.note_speeds(system);
@@ -126,13 +126,23 @@ impl Integration {
         self.restart(system, recorder)
     }
 
+    /// Whether steps go over contacts, of which no event is looked for.
+    fn steps_over(&self) -> bool {
+        self.stepper.tally().is_some()
+    }
+
     /// The step beside which the present instant is known: the one that led here, which may end far before the longest that is possible.
     fn instant(&self) -> f64 {
         self.h.min(self.last_step)
     }
 
     /// How the sides of all contacts are placed and move at the present state.
+    ///
+    /// None where steps go over contacts: what becomes of them nobody decides then.
     pub fn kinematics(&self, system: &dyn System) -> Vec<Kinematics> {
+        if self.steps_over() {
+            return Vec::new();
+        }
         kinematics(system, At::packed(self.clock.now(), self.stepper.start().y, system.len()))
     }
 
@@ -192,7 +202,7 @@ impl Integration {
 
     /// Refuses a motion in which the sides of a contact pass through each other, its event not seen, or in which a limit of friction is none.
     pub(super) fn look_at_contacts(&mut self, system: &mut dyn System) -> Result<(), Box<Cause>> {
-        if system.contacts().all.is_empty() {
+        if system.contacts().all.is_empty() || self.steps_over() {
             return Ok(());
         }
         let Some(projection) = &mut self.projection else { return Ok(()) };

@@ -57,6 +57,7 @@ impl Integration {
     ) -> Result<(), Box<Cause>> {
         if locator.wants_dense(system) {
             let segment = self.segment(step);
+            recorder.means(self.stepper.means());
             recorder.accept(system, Some(&segment), step.next, self.stepper.end())?;
             locator.pass(system, &segment, recorder);
             self.commit(step);
@@ -95,6 +96,7 @@ impl Integration {
             }
             Some((shorter, _)) => {
                 let (segment, end) = (self.segment(shorter), self.stepper.end());
+                recorder.means(self.stepper.means());
                 recorder.accept(system, Some(&segment), shorter.next, end)?;
                 locator.record_before(system, &segment, recorder, &together)?;
                 let fired = locator.fire(system, &together, (shorter.next, end.y), recorder);
@@ -197,6 +199,7 @@ impl Integration {
         finite(system, self.stepper.end().y, 0)?;
         self.dense(system, step)?;
         let segment = self.segment(step);
+        recorder.means(self.stepper.means());
         recorder.accept(system, Some(&segment), step.next, self.stepper.end())?;
         locator.record_before(system, &segment, recorder, &[])?;
         self.commit(step);

@@ -44,7 +44,8 @@ use crate::cause::Cause;
 use crate::constrain::Projection;
 use crate::events::{EventLocator, Ticks, switch_text};
 use crate::integrate::{
-    Clock, Control, Endpoint, OneStep, Segment, StepControl, StepFailure, StiffnessDetector, Tolerance, Trial, stepper,
+    Clock, Control, Endpoint, OneStep, Segment, StepControl, StepFailure, StiffnessDetector, Tally, Tolerance, Trial,
+    stepper,
 };
 use crate::mechanism::sliding::return_to_surfaces;
 use crate::mechanism::{At, Method, System};
@@ -337,6 +338,11 @@ impl Integration {
         self.stepper.dense_is_free()
     }
 
+    /// What contacts did, where steps go over them.
+    pub fn tally(&self) -> Option<&Tally> {
+        self.stepper.tally()
+    }
+
     /// Work done so far.
     pub fn work(&self) -> Work {
         let counters = self.stepper.counters();
@@ -491,6 +497,7 @@ impl Integration {
         recorder: &mut Recorder,
     ) -> Result<(), Box<Cause>> {
         let segment = dense.then(|| self.segment(step));
+        recorder.means(self.stepper.means());
         recorder.accept(system, segment.as_ref(), step.next, self.stepper.end())?;
         self.commit(step);
         Ok(())

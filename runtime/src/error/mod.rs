@@ -54,6 +54,20 @@ pub enum Error {
         /// What stands in the way.
         reason: NoSeries,
     },
+    /// The method steps over contacts, and something stands in the way.
+    NoTimeStepping {
+        /// What.
+        reason: Unsteppable,
+    },
+    /// Contacts have so many combinations of what they do that only steps over them lead on, and the method locates their events.
+    TooManyCombinations {
+        /// The method.
+        method: Method,
+        /// How many contacts and frictions there are.
+        contacts: usize,
+        /// How many combinations; `None`: more than a `usize` counts.
+        combinations: Option<usize>,
+    },
     /// Forces are made of reactions, which only multipliers give together with the accelerations.
     NeedsMultipliers,
     /// Springs stand for constraints without dampers, which alone hold one that contains speeds.
@@ -129,6 +143,53 @@ pub enum Inseparable {
     Friction,
     /// Constraints are enforced by the null space, or brought back by Baumgarte's stabilisation: both go with accelerations.
     Enforcement,
+}
+
+/// What keeps time stepping over contacts from a mechanism.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Unsteppable {
+    /// The mechanism has neither friction nor contacts.
+    NoContacts,
+    /// An event of the file contains accelerations or reactions, in its function, its condition or what it sets.
+    Event {
+        /// It.
+        event: String,
+    },
+    /// An event of the file strikes, or goes to another phase.
+    Strikes {
+        /// It.
+        event: String,
+    },
+    /// A force that is no friction is made of a reaction.
+    Reaction {
+        /// The constraint or contact.
+        constraint: String,
+    },
+    /// Constraints are enforced by something else than multipliers, or brought back by Baumgarte's stabilisation, or accelerations come from balances.
+    Enforcement,
+}
+
+impl fmt::Display for Unsteppable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Unsteppable::NoContacts => f.write_str("it has neither `friction` nor `contacts`; every other method is more accurate"),
+            Unsteppable::Event { event } => write!(
+                f,
+                "its event `{event}` contains accelerations or reactions, which such steps have as impulses only; let it happen by places and speeds"
+            ),
+            Unsteppable::Strikes { event } => {
+                write!(f, "its event `{event}` strikes or changes the phase; write it as a contact")
+            }
+            Unsteppable::Reaction { constraint } => write!(
+                f,
+                "a force that is no friction is made of `reaction({constraint})`, which such steps do not know beforehand; write it as `friction`"
+            ),
+            Unsteppable::Enforcement => {
+                f.write_str("its constraints are to be enforced otherwise than by multipliers, or accelerations to come from balances")
+            }
+        }
+    }
 }
 
 /// What keeps the exact propagation of linear systems from a mechanism.
@@ -237,6 +298,19 @@ impl fmt::Display for Error {
             }
             Error::NoSeries { reason } => {
                 write!(f, "`taylor` expands the motion in a power series; there is none, since {reason}")
+            }
+            Error::NoTimeStepping { reason } => {
+                write!(f, "`moreau` steps over friction and contacts; it does not take this mechanism, since {reason}")
+            }
+            Error::TooManyCombinations { method, contacts, combinations } => {
+                let count = combinations
+                    .map_or_else(|| "too many combinations to be counted".to_owned(), |n| format!("{n} combinations"));
+                let most = crate::mechanism::MOST_COMBINATIONS;
+                write!(
+                    f,
+                    "{contacts} contacts and frictions have {count} of sticking, slipping and opening, of which `{method}` and all methods that locate events take {most}: \
+                     give `moreau` and a step (`--method moreau --step 1e-3`), which steps over them with an error of the first order"
+                )
             }
             Error::NeedsMultipliers => {
                 write!(f, "a force is made of reactions, as friction is: take `multipliers`, which find both together")

@@ -12,6 +12,8 @@ pub enum NoSlopes {
     Unknown,
     /// The accelerations come from something else than Lagrange's equations with multipliers.
     Accelerations,
+    /// Steps went over contacts, whose events alone have slopes.
+    StepsOver,
     /// Events set held values or states, or happen at ticks.
     Memory,
     /// The start meets equations beside constraints.
@@ -83,6 +85,9 @@ impl fmt::Display for NoSlopes {
         f.write_str("the motion has no slopes: ")?;
         match self {
             NoSlopes::Unknown => f.write_str("the mechanism does not tell those of its functions"),
+            NoSlopes::StepsOver => f.write_str(
+                "`moreau` steps over the events of contacts, at which slopes would have to be known: take a method that locates events",
+            ),
             NoSlopes::Memory => f.write_str(
                 "events set values that are held, or happen at ticks, or contacts slide in space, whose slopes are not known yet; two runs with --set tell a difference",
             ),

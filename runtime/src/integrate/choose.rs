@@ -4,6 +4,7 @@ use super::exact::Exact;
 use super::explicit::Scheme;
 use super::explicit::{DOP853, DOPRI5, Dop853, Dopri5, EULER, Euler, ExplicitRungeKutta, MIDPOINT, Midpoint, RK4, Rk4};
 use super::implicit::{Collocation, GAUSS_2, GAUSS_4, GAUSS_6, RADAU_5};
+use super::moreau::TimeStepping;
 use super::nystrom::{Nystrom, RKN8};
 use super::rosenbrock::{RODAS5P, Rosenbrock};
 use super::symplectic::{KAHAN_LI_8, SRKN4, SUZUKI_4, Splitting, Symplectic, VERLET};
@@ -49,6 +50,7 @@ pub(crate) fn stepper(method: Method, n: usize, work: bool) -> Box<dyn OneStep> 
         Method::Rodas5P => Box::new(Rosenbrock::new(RODAS5P, n, work)),
         Method::Exact => Box::new(Exact::new(n, work)),
         Method::Taylor => Box::new(Taylor::new(n, work)),
+        Method::Moreau => Box::new(TimeStepping::new(n, work)),
     }
 }
 
@@ -73,6 +75,7 @@ pub(crate) fn order(method: Method) -> u32 {
         // That of its polynomial between the ends.
         Method::Exact => 12,
         Method::Taylor => ORDER as u32,
+        Method::Moreau => 1,
     }
 }
 
@@ -85,7 +88,8 @@ pub(crate) fn stability(method: Method) -> Stability {
         Method::Dopri5 => Stability::Polynomial(DOPRI5.stability()),
         Method::Dop853 | Method::Auto => Stability::Polynomial(DOP853.stability()),
         Method::Rkn8 => Stability::Nystrom(&RKN8),
-        Method::Verlet => Stability::Splitting(VERLET),
+        // Between impulses a drift, a kick and a drift are those of Störmer and Verlet from middle to middle.
+        Method::Verlet | Method::Moreau => Stability::Splitting(VERLET),
         Method::Srkn4 => Stability::Splitting(SRKN4),
         Method::Suzuki4 => Stability::Splitting(SUZUKI_4),
         Method::KahanLi8 => Stability::Splitting(KAHAN_LI_8),

@@ -97,13 +97,17 @@ impl Ends {
     /// The rate at the end, which was `moved` or not; false where it is not finite.
     pub fn conclude(&mut self, system: &dyn System, t: f64, moved: bool) -> Result<bool, StepFailure> {
         if moved {
-            // What was lost to rounding lies beside the constraints.
-            let ends = self.end.iter().zip(&self.y);
-            self.increment.iter_mut().zip(ends).for_each(|(increment, (end, y))| *increment = end - y);
+            self.move_end();
         }
         self.evaluations += 1;
         system.rate(t, &self.end, &mut self.end_rate)?;
         Ok(self.end_rate.iter().all(|rate| rate.is_finite()))
+    }
+
+    /// Takes note that the end was moved: what was lost to rounding lies beside the constraints.
+    pub fn move_end(&mut self) {
+        let ends = self.end.iter().zip(&self.y);
+        self.increment.iter_mut().zip(ends).for_each(|(increment, (end, y))| *increment = end - y);
     }
 
     /// Goes to the end; what rounding took is added to the next step if `compensated`.

@@ -1,7 +1,7 @@
 //! Integrating the equations of motion in time.
 //!
 //! 1. A family of one-step methods, each in its folder with the files `tableau`, `step`, `dense`,
-//!    implements [`OneStep`]: look in `explicit/`, `nystrom/`, `symplectic/`, `implicit/`, `rosenbrock/`, `exact/` and `taylor/`, and for which name means which in `choose.rs`.
+//!    implements [`OneStep`]: look in `explicit/`, `nystrom/`, `symplectic/`, `implicit/`, `rosenbrock/`, `exact/`, `taylor/` and `moreau/`, and for which name means which in `choose.rs`.
 //! 2. Methods are written once over [`Block`]s, whose size the compiler knows or not: look in `block.rs`.
 //!    Those that go from one end of a step to the other in one piece share [`ends::Ends`].
 //! 3. [`StepControl`] chooses steps against a [`Tolerance`]: look in `control.rs`.
@@ -19,6 +19,7 @@ mod explicit;
 mod hermite;
 mod implicit;
 mod linear;
+mod moreau;
 mod nystrom;
 mod rest;
 mod rosenbrock;
@@ -42,6 +43,7 @@ pub(crate) use exact::{LENGTHS as LENGTHS_OF_EXACT, fastest_rate, longest_step, 
 pub(crate) use control::{Control, NO_CONTROL, SAFETY, StepControl, first_step, radians};
 #[cfg(feature = "ensemble")]
 pub(crate) use explicit::{DOP853, Dop853, Stage, Term, stages};
+pub(crate) use moreau::{ContactTally, Tally, Unsolved, Wrong, made_of_reactions};
 #[cfg(feature = "ensemble")]
 pub(crate) use nystrom::{RKN8, Stage as NystromStage};
 pub(crate) use rest::AtRest;
@@ -130,6 +132,16 @@ pub(crate) trait OneStep: Send {
         false
     }
 
+    /// What contacts did, where steps go over them: their events are not looked for then.
+    fn tally(&self) -> Option<&Tally> {
+        None
+    }
+
+    /// The mean accelerations and multipliers of the step that was tried, where steps go over contacts.
+    fn means(&self) -> Option<[&[f64]; 2]> {
+        None
+    }
+
     /// True where dense output costs no evaluation.
     fn dense_is_free(&self) -> bool;
 
@@ -185,6 +197,10 @@ pub(crate) enum StepFailure {
     },
     /// There is no power series.
     NoSeries(NoSeries),
+    /// Friction is not as it should be.
+    Contacts(Wrong),
+    /// The laws of contact have no solution that is found.
+    Unsolved(Unsolved),
 }
 
 impl From<Singular> for StepFailure {
@@ -200,6 +216,10 @@ impl StepFailure {
             StepFailure::Singular(fault) => fault.cause(mechanism),
             StepFailure::Stalled { h } => Cause::IterationStalled { h },
             StepFailure::NoSeries(reason) => Cause::NoSeries { reason },
+            StepFailure::Contacts(wrong) => wrong.cause(mechanism),
+            StepFailure::Unsolved(Unsolved { contact, residual, rounds }) => {
+                Cause::UnsolvedContacts { contact: mechanism.rows[contact].name.to_string(), residual, rounds }
+            }
         }
     }
 }

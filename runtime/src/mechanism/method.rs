@@ -23,6 +23,7 @@ use super::Structure;
 /// | `radau5` | 5 | stiff motions | by the tolerance | by iteration | always, damped |
 /// | `rodas5p` | 5 | stiff motions | by the tolerance | 8 | always, damped |
 /// | `taylor` | 20 | smooth motions, tight tolerances | by the tolerance | 20, at once | up to hω = 3.3 |
+/// | `moreau` | 1 | friction and contacts, over their events | fixed | 1 | up to hω = 2 |
 /// | `exact` | - | linear systems with constant coefficients | fixed; driven: by the tolerance | 0; driven: 8 | as the motion is |
 ///
 /// `exact` multiplies by e^{Ah}; its step is as long as a polynomial between its ends is exact to the tolerance, and as one of degree 8
@@ -32,6 +33,8 @@ use super::Structure;
 /// Symplectic methods keep the energy of a conservative motion within a band, however long it is, as long as their step does
 /// not change; where none is given it is found once, from the tolerance, by trial steps over the start of the motion.  Implicit methods
 /// solve linear systems with the generated Jacobians.
+/// `moreau` steps over impacts and changes of contacts, so that their number does not matter, with an error of the first order in the step; it is never
+/// chosen by `auto`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Method {
@@ -75,6 +78,9 @@ pub enum Method {
     /// The exponential of a linear system with constant coefficients, exact to rounding at a fixed step; with error control where it
     /// is driven, a fixed step if one is given.
     Exact,
+    /// Moreau and Jean's time stepping, order 1, for mechanisms with friction or contacts: impulses over whole steps in the place of the events of
+    /// contacts, however many these are; a fixed step.
+    Moreau,
     /// The one that suits: [`Method::Rk4`] where a step is given; [`Method::Verlet`] where accelerations are constant
     /// between events; [`Method::Exact`] for linear systems with constant coefficients, for long enough; [`Method::Rodas5P`] where what decays at the start is much faster than what vibrates, and for linear systems whose fastest vibration is not seen at the tolerance;
     /// [`Method::Rkn8`] for separable systems without constraints; else [`Method::Dop853`], or [`Method::Dopri5`] for tolerances
@@ -85,7 +91,7 @@ pub enum Method {
 
 impl Method {
     /// All methods, as users list them.
-    pub const ALL: [Method; 18] = [
+    pub const ALL: [Method; 19] = [
         Method::Euler,
         Method::Midpoint,
         Method::Rk4,
@@ -103,6 +109,7 @@ impl Method {
         Method::Rodas5P,
         Method::Taylor,
         Method::Exact,
+        Method::Moreau,
         Method::Auto,
     ];
 
@@ -126,6 +133,7 @@ impl Method {
             Method::Rodas5P => "rodas5p",
             Method::Taylor => "taylor",
             Method::Exact => "exact",
+            Method::Moreau => "moreau",
             Method::Auto => "auto",
         }
     }

@@ -22,9 +22,9 @@ impl Candidate {
         Candidate { name: name.into(), system: system.boxed_clone(), settings }
     }
 
-    /// Every method on the same formulation, `auto` first.
+    /// Every method on the same formulation, `auto` first; not `moreau`, whose steps go over what others resolve.
     pub fn methods(system: &dyn System, settings: &Settings) -> Vec<Candidate> {
-        let rest = Method::ALL.into_iter().filter(|method| *method != Method::Auto);
+        let rest = Method::ALL.into_iter().filter(|method| !matches!(method, Method::Auto | Method::Moreau));
         let of = |method: Method| Candidate::new(method.name(), system, Settings { method, ..settings.clone() });
         std::iter::once(Method::Auto).chain(rest).map(of).collect()
     }

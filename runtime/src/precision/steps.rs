@@ -84,9 +84,10 @@ const COARSE: f64 = 1e-2;
 const CLEAR: f64 = 30.0;
 
 impl Candidate {
-    /// Every method whose error is that of a step it is given: all but those with error control and `exact`.
+    /// Every method whose error is that of a step it is given: all but those with error control, `exact`, and `moreau`, whose error is that of impacts.
     pub fn fixed_steps(system: &dyn System, settings: &Settings) -> Vec<Candidate> {
-        let fixed = Method::ALL.into_iter().filter(|method| !method.is_adaptive() && *method != Method::Exact);
+        let others = |method: &Method| matches!(method, Method::Exact | Method::Moreau);
+        let fixed = Method::ALL.into_iter().filter(|method| !method.is_adaptive() && !others(method));
         fixed.map(|method| Candidate::new(method.name(), system, Settings { method, ..settings.clone() })).collect()
     }
 }

@@ -2,6 +2,7 @@
 
 use super::extremes::extremes;
 use super::{Continuous, Run};
+use crate::integrate::ContactTally;
 use crate::mechanism::{At, Contact, ContactEvent, ContactMode};
 
 /// What a contact, or friction, did in a run.
@@ -44,6 +45,20 @@ impl Run {
         let contacts = system.contacts();
         if contacts.all.is_empty() {
             return Vec::new();
+        }
+        if let Some(tally) = &self.tally {
+            let of = |(contact, tally): (&Contact, &ContactTally)| ContactHistory {
+                name: contact.name.to_string(),
+                modes: contact
+                    .modes()
+                    .iter()
+                    .copied()
+                    .zip(tally.modes.iter().copied())
+                    .filter(|(_, span)| *span > 0.0)
+                    .collect(),
+                held: None,
+            };
+            return contacts.all.iter().zip(&tally.contacts).map(of).collect();
         }
         let end = self.times.last().copied().unwrap_or(0.0);
         let until = self.phases.iter().skip(1).map(|(t, _)| *t).chain([end]);

@@ -3,7 +3,7 @@
 use super::extremes::{Range, extremes};
 use super::{Run, evaluate_outputs};
 use crate::constrain::Projection;
-use crate::mechanism::System;
+use crate::mechanism::{At, System};
 
 /// The state of a run and some of its columns at any time, from dense output, with the equations in force then.
 pub(crate) struct Continuous<'a> {
@@ -67,6 +67,21 @@ impl<'a> Continuous<'a> {
     /// All columns at a time of a step.
     pub fn row(&mut self, step: usize, t: f64) -> &[f64] {
         let size = self.state(step, t).1.len();
+        if let Some(tally) = &self.run.tally {
+            let [from, to] = self.steps[step];
+            let rate = |t: f64, after: bool| {
+                let mut y = vec![0.0; size];
+                self.run.trajectory.evaluate_on(t, after, &mut y);
+                y.split_off(size / 2)
+            };
+            let a: Vec<f64> =
+                rate(to, false).iter().zip(rate(from, true)).map(|(w, v)| (w - v) / (to - from)).collect();
+            let unknown = vec![f64::NAN; self.system.description().rows.len()];
+            let lambda = tally.forces.get(step).unwrap_or(&unknown);
+            let (y, outputs) = self.row.split_at_mut(size);
+            self.system.outputs(At::packed(t, y, size / 2).accelerated(&a).constrained(lambda), outputs);
+            return &self.row;
+        }
         let (y, outputs) = self.row.split_at_mut(size);
         evaluate_outputs(&*self.system, t, y, &mut self.accelerations, outputs);
         &self.row

@@ -15,6 +15,7 @@ mod parts;
 mod record;
 mod resample;
 mod state;
+mod stepped_over;
 mod symmetry;
 mod trajectory;
 mod trust;
@@ -43,11 +44,13 @@ pub(crate) use state::Names;
 pub use state::State;
 #[cfg(feature = "interpret")]
 pub(crate) use state::plain;
+pub use stepped_over::{Overlap, SteppedContact, SteppedOver};
 pub use symmetry::Symmetry;
 pub(crate) use trajectory::Trajectory;
 pub use trust::Trust;
 
 pub use crate::events::Impulse;
+use crate::integrate::Tally;
 use crate::mechanism::{Description, HIDDEN, Method, Sampling, Trigger};
 use crate::trust::{Conditioning, Drift, Warning};
 
@@ -100,6 +103,8 @@ pub struct Run {
     /// The largest eigenvalue of the system linearised at the start, 1/s; 0 where it is not known.
     pub(crate) fastest: f64,
     pub(crate) ended_by: Option<usize>,
+    /// What contacts did, where steps went over them.
+    pub(crate) tally: Option<Box<Tally>>,
     pub(crate) times: Vec<f64>,
     /// Whether states were reported closer than planned, since the run ended early.
     pub(crate) is_filled: bool,

@@ -7,7 +7,7 @@ use super::{Names, Occurrence, Run, Scenery, SpeedJump, State, Trajectory, Work}
 use crate::cause::Cause;
 use crate::constrain::{Projection, Residuals};
 use crate::events::{EventNote, Impulse, Log, Remarkable};
-use crate::integrate::{Endpoint, Segment};
+use crate::integrate::{Endpoint, Segment, Tally};
 use crate::mechanism::{At, Method, System};
 use crate::trust::{ConditionMonitor, GimbalGuard, InertiaGuard, Monitor, Warning, Watchman};
 
@@ -52,6 +52,8 @@ pub(crate) struct Recorder {
     junctions: Option<Box<Junctions>>,
     point: Vec<f64>,
     accelerations: Vec<f64>,
+    /// Mean accelerations and multipliers of the last step, where steps go over contacts: at the start there are none.
+    means: Option<[Vec<f64>; 2]>,
 }
 
 /// The energy is looked at every so many steps.
@@ -90,6 +92,8 @@ pub(crate) struct Plan {
     pub projects: bool,
     /// Whether to keep the instants at which the equations change.
     pub junctions: bool,
+    /// Whether accelerations and reactions are means over steps.
+    pub means: bool,
 }
 
 impl Plan {
@@ -109,6 +113,7 @@ impl Plan {
             step: None,
             projects: false,
             junctions: false,
+            means: false,
         }
     }
 }
@@ -143,6 +148,7 @@ impl Recorder {
             seconds: 0.0,
             fastest: 0.0,
             ended_by: None,
+            tally: None,
             times: Vec::new(),
             is_filled: false,
             rows: Vec::new(),
@@ -185,6 +191,7 @@ impl Recorder {
             junctions: plan.junctions.then(Box::default),
             point: vec![0.0; 2 * n],
             accelerations: vec![0.0; n],
+            means: plan.means.then(|| [vec![f64::NAN; n], vec![f64::NAN; description.rows.len()]]),
         };
         recorder.write_row(system, t, y);
         recorder.begin_piece(system, t, start);
@@ -244,6 +251,13 @@ impl Recorder {
             self.row_written();
         }
         Ok(())
+    }
+
+    /// Takes note of mean accelerations and multipliers over the step that is accepted next.
+    pub fn means(&mut self, means: Option<[&[f64]; 2]>) {
+        if let (Some(known), Some(means)) = (&mut self.means, means) {
+            known.iter_mut().zip(means).for_each(|(known, means)| known.copy_from_slice(means));
+        }
     }
 
     /// Takes note of the state before other equations come into force.
@@ -478,6 +492,14 @@ impl Recorder {
         });
     }
 
+    /// Takes note of what contacts did that steps went over.
+    pub fn stepped_over(&mut self, tally: Option<&Tally>) {
+        if let Some(Tally { unsettled: steps @ 1.., first: t, residual, .. }) = tally {
+            self.warn(Warning::UnsettledImpulses { t: *t, steps: *steps, residual: *residual });
+        }
+        self.run.tally = tally.cloned().map(Box::new);
+    }
+
     /// Notes the numbers of the next ticks, and what a run that goes on is to know.
     pub fn ticked(&mut self, next: Vec<u64>, resumed: Option<(f64, [Vec<f64>; 2])>) {
         (self.run.ticks, self.run.resumed) = (next, resumed);
@@ -547,7 +569,10 @@ impl Recorder {
     }
 
     fn write_outputs<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64], outputs: &mut [f64]) {
-        evaluate_outputs(system, t, y, &mut self.accelerations, outputs);
+        match &self.means {
+            Some([a, lambda]) => system.outputs(At::packed(t, y, self.n).accelerated(a).constrained(lambda), outputs),
+            None => evaluate_outputs(system, t, y, &mut self.accelerations, outputs),
+        }
     }
 }
 

@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use super::{Run, RunPart};
-use crate::numbers::counted;
+use super::{Run, RunPart, SteppedOver};
+use crate::numbers::{counted, short};
 
 /// How far a run can be trusted; made by [`Run::trust`], printed with `{}`.
 #[derive(Clone, Copy, Debug)]
@@ -41,6 +41,9 @@ impl fmt::Display for Trust<'_> {
             work.rejected,
             counted(work.evaluations as usize, "evaluation")
         )?;
+        if let Some(over) = run.stepped_over() {
+            write_contacts(f, &over)?;
+        }
         for drift in &run.drift {
             write_drift(f, &drift.name, drift.value)?;
         }
@@ -77,4 +80,26 @@ fn write_drift(f: &mut fmt::Formatter<'_>, name: &str, value: Option<f64>) -> fm
         Some(value) => writeln!(f, "drift          {name} {value:.1e}"),
         None => writeln!(f, "drift          {name} does not apply here"),
     }
+}
+
+/// What contacts did that steps went over.
+fn write_contacts(f: &mut fmt::Formatter<'_>, over: &SteppedOver) -> fmt::Result {
+    write!(
+        f,
+        "contacts       stepped over, with an error of the first order in the step; at most {} closed at once",
+        over.closed
+    )?;
+    if let Some(deepest) = &over.deepest {
+        let (contact, depth, t) = (&deepest.contact, deepest.depth, short(deepest.t));
+        write!(f, ", {depth:.1e} deep in each other at the most ({contact}, at t = {t} s)")?;
+    }
+    writeln!(f)?;
+    let energy = if over.work > 0.0 { "gave" } else { "took" };
+    writeln!(
+        f,
+        "               they {energy} {:.4e} J; laws met to {:.0e} in {} at the most",
+        over.work.abs(),
+        over.residual,
+        counted(over.rounds as usize, "round")
+    )
 }

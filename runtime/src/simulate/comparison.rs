@@ -8,6 +8,7 @@ use super::cancelling_forces;
 use super::close_calls::close_calls;
 use super::flat::widen_flat_events;
 use super::rounded_parameters::moved_parameters;
+use super::steps_over::over_contacts;
 use super::{Settings, simulate_with};
 use crate::cause::Cause;
 use crate::constrain::Projection;
@@ -76,6 +77,7 @@ pub(crate) fn estimate_global_error(
     if run.rows.len() + run.outputs.len() > MOST_NUMBERS || run.has_untried_integrals() {
         return;
     }
+    let settings = &*over_contacts(system, settings);
     let mut goes_on = |_: f64| progress(settings.until);
     let Some(comparison) = comparison(system, settings, run, Distance::Near, &mut goes_on) else { return };
     let ComparisonRun { policy, finer, follows, run: other } = comparison;
@@ -139,7 +141,8 @@ fn fastest(system: &dyn System, settings: &Settings, run: &Run) -> f64 {
 
 /// Judges outputs at the end by states that the last one may as well be.
 fn look_around_end(system: &dyn System, run: &Run, digits: &mut Digits) {
-    let Some(row) = run.len().checked_sub(1) else { return };
+    // Means over steps are no functions of the state.
+    let Some(row) = run.len().checked_sub(1).filter(|_| run.tally.is_none()) else { return };
     let n = system.len();
     let mut room = vec![0.0; n];
     let outputs = |y: &Vec<f64>| {

@@ -18,6 +18,7 @@ mod flat;
 mod interruption;
 mod rounded_parameters;
 mod settings;
+mod steps_over;
 #[cfg(test)]
 mod tests;
 mod typed;
@@ -37,6 +38,7 @@ use settings::MOST_STEPS;
 #[cfg(feature = "cli")]
 pub(crate) use settings::Resumed;
 pub use settings::Settings;
+use steps_over::{apart, over_contacts};
 pub use typed::Simulate;
 
 use crate::cause::{Cause, NoSeries};
@@ -209,6 +211,9 @@ pub(crate) fn settled<'a>(system: &mut dyn System, settings: &'a Settings) -> Co
     if system.contacts().all.is_empty() || check(system, settings).is_err() {
         return Cow::Borrowed(settings);
     }
+    if settings.method == Method::Moreau {
+        return over_contacts(system, settings);
+    }
     let first = first_phase(system, settings);
     in_phase(system, settings, first.as_ref().ok())
 }
@@ -226,7 +231,7 @@ fn in_phase<'a>(system: &dyn System, settings: &'a Settings, phase: Option<&usiz
 
 /// The phase in which a motion begins: the one that its settings say, unless contacts decide it.
 fn first_phase(system: &mut dyn System, settings: &Settings) -> Result<usize, Box<Cause>> {
-    if system.contacts().all.is_empty() {
+    if system.contacts().all.is_empty() || settings.method == Method::Moreau {
         return Ok(settings.phase);
     }
     let guess = set_up(system, settings);
@@ -270,7 +275,7 @@ fn check(system: &dyn System, settings: &Settings) -> Result<(), Error> {
     let (given, expected) = (settings.memory.as_ref().map(Vec::len), system.memory().len());
     match given {
         Some(given) if given != expected => Err(Error::WrongLength { setting: "memory", given, expected }),
-        _ => Ok(()),
+        _ => steps_over::check(system, settings),
     }
 }
 
@@ -284,6 +289,8 @@ struct Start {
 /// Begins a run whose states are reported at this spacing.
 fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Start, Error> {
     check(system, settings)?;
+    let steps_over = settings.method == Method::Moreau;
+    let settings = &*over_contacts(system, settings);
     let first = first_phase(system, settings);
     let settings = &*in_phase(system, settings, first.as_ref().ok());
     if settings.method == Method::Taylor
@@ -292,7 +299,7 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
         return Err(Error::NoSeries { reason });
     }
     let dampers = matches!(settings.enforcement, Enforcement::Springs { damping, .. } if damping > 0.0);
-    let work = settings.watch && (dampers || !system.description().structure.conservative);
+    let work = settings.watch && (dampers || steps_over || !system.description().structure.conservative);
     let guess = set_up(system, settings);
     let held = settings.held();
     let start = start_of(settings, &guess, &held);
@@ -330,6 +337,7 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
     let outcome = met
         .and_then(|()| integration.begin(system, settings.until))
         .and(settings.attainable())
+        .and_then(|()| if steps_over { apart(system, settings, &y) } else { Ok(()) })
         .and_then(|()| positive_inertia(system, settings.from, &y))
         .and_then(|()| constrain::possible_restitutions(system, &settings.ignored_events))
         .and_then(|()| constrain::possible_limits(system, settings.from, &y));
@@ -360,6 +368,7 @@ fn start(system: &mut dyn System, settings: &Settings, every: f64) -> Result<Sta
         step,
         projects: settings.projects(),
         junctions: settings.junctions,
+        means: steps_over,
     };
     let mut recorder = Recorder::new(&plan, system, settings.from, integration.state());
     if let Some(Elsewhere { coordinate, here, there }) = elsewhere {
@@ -398,6 +407,7 @@ fn finish(system: &dyn System, integration: &Integration, mut recorder: Recorder
         let outputs = outputs.into_iter().map(|place| names[place].clone()).collect();
         recorder.warn(Warning::ReactionsNotUnique { outputs });
     }
+    recorder.stepped_over(integration.tally());
     recorder.constrained(integration.residuals());
     recorder.swept(integration.swept());
     recorder.took(integration.found_step());

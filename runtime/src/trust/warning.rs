@@ -72,6 +72,15 @@ pub enum Warning {
         /// When, s.
         t: f64,
     },
+    /// Steps over contacts were taken in which impulses still changed from round to round.
+    UnsettledImpulses {
+        /// When the first of them was, s.
+        t: f64,
+        /// How many.
+        steps: u64,
+        /// By how much at the most, as a part of the largest.
+        residual: f64,
+    },
     /// Impacts follow each other ever faster; the motion goes on with a resting contact where they end.
     ImpactsAccumulate {
         /// The event.
@@ -316,6 +325,13 @@ impl fmt::Display for Warning {
                 f,
                 "the motion passed a singular position at t = {} s, where its constraints depend on each other; it kept \
                  the branch that continues its speeds",
+                short(*t)
+            ),
+            Warning::UnsettledImpulses { t, steps, residual } => write!(
+                f,
+                "in {}, from t = {} s on, impulses of contacts still changed by up to {residual:.0e} of the largest after all rounds: contacts that \
+                 hold each other share their forces in many ways",
+                counted(*steps as usize, "step"),
                 short(*t)
             ),
             Warning::ImpactsAccumulate { event, t } => write!(

@@ -8,7 +8,7 @@ use super::start::{self, Start};
 use super::{NoSlopes, Unknown};
 use crate::error::Error;
 use crate::events::{switch_mode, switch_text};
-use crate::mechanism::{Along, At, Enforcement, Function, Stabilisation, System};
+use crate::mechanism::{Along, At, Enforcement, Function, Method, Stabilisation, System};
 use crate::run::{Names, Run, Side};
 use crate::simulate::{Origin, Settings, Simulation, settled, simulate};
 
@@ -118,6 +118,9 @@ pub(crate) fn run_with_slopes(
 }
 
 fn may_be_varied(system: &dyn System, settings: &Settings) -> Result<(), NoSlopes> {
+    if settings.method == Method::Moreau {
+        return Err(NoSlopes::StepsOver);
+    }
     if !system.sampling().is_empty() {
         return Err(NoSlopes::Memory);
     }

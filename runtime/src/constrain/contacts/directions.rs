@@ -25,7 +25,7 @@ pub(super) type Outcome<'a> = dyn FnMut(&[[f64; 2]]) -> Option<Vec<[f64; 2]>> + 
 
 /// The direction in which a contact slides at these rates, as generated code has it: that of the line of s on the side of what is held, which it is
 /// itself where |s| is rounding.
-pub(super) fn direction([s1, s2]: [f64; 2], [d1, d2, least]: [f64; 3]) -> [f64; 2] {
+pub(crate) fn direction([s1, s2]: [f64; 2], [d1, d2, least]: [f64; 3]) -> [f64; 2] {
     let length = d1.hypot(d2);
     let (d1, d2) = (d1 / length, d2 / length);
     let (forwards, sideways) = (s1 * d1 + s2 * d2, s2 * d1 - s1 * d2);

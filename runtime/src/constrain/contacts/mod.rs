@@ -13,6 +13,7 @@ mod modes;
 mod strike;
 mod trials;
 
+pub(crate) use directions::direction;
 pub(crate) use limits::possible_limits;
 pub(crate) use modes::{Change, Turned, is_released, settle, turned};
 pub(crate) use strike::{Strike, strike};
@@ -80,7 +81,7 @@ pub(crate) fn kinematics<S: System + ?Sized>(system: &S, at: At<'_>) -> Vec<Kine
 }
 
 /// The direction of sliding that is held for a contact in space, and the rate below which there is none; in the plane any.
-fn held_direction<S: System + ?Sized>(system: &S, contact: usize) -> [f64; 3] {
+pub(crate) fn held_direction<S: System + ?Sized>(system: &S, contact: usize) -> [f64; 3] {
     let first = system.contacts().all[contact].direction.map_or(0, |first| first as usize);
     let known = system.memory().get(first..first + 3);
     known.and_then(|known| known.try_into().ok()).unwrap_or([1.0, 0.0, 0.0])
