@@ -197,13 +197,11 @@ impl LinearisationPoint {
         });
         let here = self.magnitudes(q);
         (0..2).any(|kind| {
-            let entries = |side: &[SparseMatrix; 2]| side[kind].entries.clone();
-            let [far, near] = [&far, &near].map(|[above, below]| (entries(above), entries(below)));
-            (0..near.0.len()).any(|k| {
-                let difference =
-                    |pair: &(Vec<(u32, u32, f64)>, Vec<(u32, u32, f64)>)| (pair.0[k].2 - pair.1[k].2).abs();
-                let (row, column, above) = near.0[k];
-                let size = above.abs().max(near.1[k].2.abs());
+            let value = |side: &[SparseMatrix; 2], k: usize| side[kind].entries[k].2;
+            (0..near[0][kind].entries.len()).any(|k| {
+                let difference = |pair: &[[SparseMatrix; 2]; 2]| (value(&pair[0], k) - value(&pair[1], k)).abs();
+                let (row, column, above) = near[0][kind].entries[k];
+                let size = above.abs().max(value(&near[1], k).abs());
                 if !(difference(&near) > STRAIGHT * size && difference(&near) > FALLS * difference(&far)) {
                     return false;
                 }

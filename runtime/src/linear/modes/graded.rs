@@ -46,7 +46,7 @@ pub(crate) fn doubted_modes(a: &DMatrix<f64>, doubt: &DMatrix<f64>) -> Result<(F
         });
         pair.error = pair.error.max(moved);
         // What is no number is not known either.
-        if !(moved < pair.value.norm()) {
+        if moved.is_nan() || moved >= pair.value.norm() {
             lost = Some(lost.map_or(moved, |most: f64| most.max(moved)));
         }
     }

@@ -16,6 +16,9 @@ struct Changes {
     changes: Vec<DMatrix<f64>>,
 }
 
+/// Directions, and their eigenvalues of F.
+type Alone = (DMatrix<f64>, Vec<Complex<f64>>);
+
 impl Flow {
     /// What is left without motions that nothing damps and that ticks leave alone, and the exponents λ of these, 0 or ±iω; `None` where
     /// a decomposition does not end.
@@ -67,7 +70,7 @@ impl Changes {
     }
 
     /// Directions of eigenvectors of F without damping in which no J changes anything, and their eigenvalues; `None` in them where there are none.
-    fn unseen(&self) -> Option<Option<(DMatrix<f64>, Vec<Complex<f64>>)>> {
+    fn unseen(&self) -> Option<Option<Alone>> {
         let n = self.field.nrows();
         let still = kernel(&self.field).ok()?;
         let kept = self.left_alone(&still.map(Complex::from), 1.0)?;
