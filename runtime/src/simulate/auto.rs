@@ -3,8 +3,8 @@
 use super::Settings;
 use crate::events::EventLocator;
 use crate::integrate::{LENGTHS_OF_EXACT, fastest_rate, longest_step, operations_of_exact};
-use crate::mechanism::sliding;
-use crate::mechanism::{AccelerationSlopes, Action, At, Description, Enforcement, Method, System};
+use crate::mechanism::sliding::{self, SLIDES, fractions};
+use crate::mechanism::{AccelerationSlopes, Action, At, Description, Enforcement, Method, System, choose_sides};
 use crate::trust::{all_rates, rates};
 
 /// A method, and why it was chosen; nothing where the user chose it.
@@ -118,23 +118,28 @@ fn vibrates_unseen(settings: &Settings, system: &dyn System, y: &[f64]) -> bool 
     super::simulate(&mut *system.boxed_clone(), &trial).is_ok()
 }
 
-/// Whether a motion by forces of places alone begins where the argument of a discontinuity and its rate are zero, and its sides accelerate
-/// differently: where both push back it stays, which methods for such forces do not know.
+/// Whether a motion by forces of places alone begins at rest on a discontinuity to which both sides push back: it stays, which methods for such forces
+/// do not know.
 fn may_be_held(system: &dyn System, t: f64, y: &[f64]) -> bool {
     let (n, switches) = (system.len(), &system.description().switches);
     let mut side = system.boxed_clone();
-    let mut accelerations = |switch: usize, above: f64| {
-        let mut modes = system.modes().to_vec();
-        modes[switch] = sliding::mode(switches[switch].kind, above);
+    if switches.is_empty() || choose_sides(&mut *side, t, y).is_err() {
+        return false;
+    }
+    let (still, sides, mut pairs) = (vec![0.0; n], side.modes().to_vec(), vec![0.0; 2 * switches.len()]);
+    side.switches(At::packed(t, y, n).accelerated(&still), &mut pairs);
+    let mut with = |switch: usize, mode: f64| {
+        let mut modes = sides.clone();
+        modes[switch] = mode;
         side.set_modes(&modes);
         let mut a = vec![0.0; n];
-        side.accelerations(At::packed(t, y, n), &mut a).is_ok().then_some(a)
+        let moves = side.accelerations(At::packed(t, y, n), &mut a).is_ok();
+        (moves.then_some(a), fractions(&*side, t, y))
     };
-    let (still, mut pairs) = (vec![0.0; n], vec![0.0; 2 * switches.len()]);
-    system.switches(At::packed(t, y, n).accelerated(&still), &mut pairs);
-    (0..switches.len()).any(|switch| {
-        let stands = pairs[2 * switch..2 * switch + 2] == [0.0, 0.0];
-        !switches[switch].time_only && stands && accelerations(switch, 0.0) != accelerations(switch, 1.0)
+    (0..switches.len()).filter(|switch| pairs[2 * switch..2 * switch + 2] == [0.0, 0.0]).any(|switch| {
+        let [below, above] = [0.0, 1.0].map(|w| with(switch, sliding::mode(switches[switch].kind, w)).0);
+        let between = with(switch, SLIDES).1.is_some_and(|w| w.iter().all(|w| (0.0..=1.0).contains(w)));
+        !switches[switch].time_only && below != above && between
     })
 }
 
