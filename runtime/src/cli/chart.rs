@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 use clap::ArgMatches;
 
 use super::load::Loaded;
-use super::plotted::parts;
+use super::plotted::filled_parts;
 use super::set_up::set_up;
 use super::{Context, Problem, needs, outputs};
 use crate::mechanism::{Description, Interpreted, Method, System};
@@ -131,7 +131,7 @@ fn put_table(path: &str, table: &str, output: Option<&mut dyn Write>) -> Result<
 /// Coordinates and outputs to compare.
 fn columns(options: &ArgMatches) -> Vec<String> {
     let given = options.get_many::<String>("compare").into_iter().flatten();
-    given.flat_map(|list| parts(list)).map(ToOwned::to_owned).collect()
+    given.flat_map(|list| filled_parts(list)).map(ToOwned::to_owned).collect()
 }
 
 /// The model for a reference in double-double, or why there is none.

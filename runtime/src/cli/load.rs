@@ -12,7 +12,7 @@ use dalembert_symbolic::model::{Model, load_in};
 use dalembert_symbolic::print::fnv1a;
 use dalembert_symbolic::{diagnose, file};
 
-use super::plotted::parts;
+use super::plotted::filled_parts;
 use super::{Context, Entry, Problem};
 use crate::mechanism::{Interpreted, System};
 
@@ -350,7 +350,7 @@ fn each_once<'a>(option: &str, texts: impl Iterator<Item = &'a str>) -> Result<V
 /// What an option lists: it may be given several times, and each time name several with commas between them.
 pub fn listed(options: &ArgMatches, option: &str) -> Vec<String> {
     let texts = options.get_many::<String>(option).into_iter().flatten();
-    texts.flat_map(|text| parts(text)).map(ToOwned::to_owned).collect()
+    texts.flat_map(|text| filled_parts(text)).map(ToOwned::to_owned).collect()
 }
 
 /// The same of `NAME=VALUE`, each name once.

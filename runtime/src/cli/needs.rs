@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 use super::json::{self, number, object};
 use super::load::{Loaded, pairs};
-use super::plotted::parts;
+use super::plotted::filled_parts;
 use super::set_up::{Reader, like_output, parameter_index};
 use super::{Context, Problem, outputs, value_files};
 use crate::needs::{Deviation, ModelReduction, Need, Needs, NeedsError, NeedsRequest, Proposal, Verdict};
@@ -262,7 +262,7 @@ type Named = (Vec<String>, Vec<(String, f64)>);
 fn named(loaded: &mut Loaded, names: &str) -> Result<Named, Problem> {
     let mut reader = Reader::default();
     let (mut outputs, mut absolute) = (Vec::new(), Vec::new());
-    for name in parts(names) {
+    for name in filled_parts(names) {
         match name.split_once('=') {
             None => outputs.push(name.to_owned()),
             Some((name, amount)) => {

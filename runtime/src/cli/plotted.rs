@@ -192,7 +192,12 @@ pub fn parts(text: &str) -> impl Iterator<Item = &str> {
         depth += i32::from(c == '[') - i32::from(c == ']');
         c == ',' && depth == 0
     });
-    pieces.map(str::trim).filter(|piece| !piece.is_empty())
+    pieces.map(str::trim)
+}
+
+/// The same without what is empty.
+pub fn filled_parts(text: &str) -> impl Iterator<Item = &str> {
+    parts(text).filter(|part| !part.is_empty())
 }
 
 /// The columns of a name: itself, or the components of a vector output.

@@ -9,7 +9,7 @@ use dalembert_symbolic::{diagnose, file, gate, lower};
 
 use super::arguments::MOTION;
 use super::load::{Loaded, pairs};
-use super::plotted::parts;
+use super::plotted::filled_parts;
 use super::{Context, Problem, outputs, value_files};
 use crate::mechanism::{Interpreted, Method, System};
 use crate::simulate::{Described, Origin};
@@ -45,7 +45,7 @@ fn set_up_at(loaded: &mut Loaded, options: &ArgMatches, scene: usize) -> Result<
 fn ignore(loaded: &Loaded, options: &ArgMatches, settings: &mut Settings) -> Result<(), Problem> {
     let description = loaded.system.description();
     let texts = options.try_get_many::<String>("ignore").ok().flatten().into_iter().flatten();
-    for name in texts.flat_map(|text| parts(text)) {
+    for name in texts.flat_map(|text| filled_parts(text)) {
         let known = || description.events.iter().map(|event| event.name.as_ref());
         settings.ignore(description, name).map_err(|_| unknown("event", name, known()))?;
     }

@@ -152,7 +152,7 @@ fn by_options(mut settings: Settings, options: &ArgMatches) -> Result<Settings, 
 /// The runs of `--with`, as far as they came.
 fn others(context: Context<'_>, options: &ArgMatches) -> Result<Vec<(String, Run)>, Problem> {
     let scenes = options.get_one::<String>("with").map_or("", String::as_str);
-    plotted::parts(scenes)
+    plotted::filled_parts(scenes)
         .map(|scene| {
             let mut loaded = Loaded::find(context, options)?;
             let settings = set_up_scene(&mut loaded, options, Some(scene))?;

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::Problem;
 use super::json::{number, object};
 use super::load::Loaded;
-use super::plotted::parts;
+use super::plotted::filled_parts;
 use super::set_up::origin;
 use crate::mechanism::HIDDEN;
 use crate::run::written;
@@ -20,7 +20,7 @@ use crate::{Error, Settings, Slope, Slopes};
 pub fn asked(loaded: &mut Loaded, settings: &Settings, options: &ArgMatches) -> Result<Option<Slopes>, Problem> {
     let Some(names) = options.get_one::<String>("slopes") else { return Ok(None) };
     let origin = origin(loaded, options)?;
-    let names: Vec<&str> = parts(names).collect();
+    let names: Vec<&str> = filled_parts(names).collect();
     let mut unknowns = Vec::with_capacity(names.len());
     for name in names {
         let found = unknown(&*loaded.system, name).map_err(|error| match &error {
