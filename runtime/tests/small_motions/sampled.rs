@@ -59,7 +59,7 @@ fn slow_loops_keep_their_digits_beside_fast_actuators() {
         scene: {start: {x: 0.1}, until: 1}\n";
     let found = run(text, &["--sampled"]);
     let z: Vec<Vec<f64>> = serde_json::from_value(found["z"].clone()).unwrap();
-    close(z[0][0].hypot(z[0][1]), 0.999_985_004_962_540_9, 1e-15);
+    close(z[0][0].hypot(z[0][1]), 0.999_985_004_962_541, 1e-15);
     close(found["critical_periods"][0].as_f64().unwrap(), 301.515_166_972_28, 1e-12);
 }
 
