@@ -199,8 +199,10 @@ pub enum Cause {
     },
     /// Both sides of a discontinuity push back to it, and the motion cannot stay there: the sides differ in no rate of its argument.
     Chattering {
-        /// The discontinuity's argument, as the model file has it.
+        /// The discontinuity's argument, as the model file has it; an event, where phases follow each other without an end.
         switch: String,
+        /// Whether that is a rate, which friction may hold.
+        is_rate: bool,
     },
     /// The same of a discontinuity whose argument is of states of first order alone.
     ChatteringStates {
@@ -536,11 +538,18 @@ impl fmt::Display for Cause {
                 "endless sets: `{event}` follows what is set at one instant (`on_set`) again and again; let it set nothing that brings it \
                  about again, or have an `if` that comes to an end"
             ),
-            Cause::Chattering { switch } => write!(
-                f,
-                "chattering: both sides of `{switch}` = 0 push back to it; dry friction that sticks is `friction: {{rub: {{rate: {switch}, limit: F, \
-                 …}}}}`; else describe what happens there as a phase with a constraint that keeps it 0 and events that lead in and out"
-            ),
+            Cause::Chattering { switch, is_rate } => {
+                write!(f, "chattering: both sides of `{switch}` = 0 push back to it; ")?;
+                if *is_rate {
+                    write!(
+                        f,
+                        "dry friction that sticks is `friction: {{rub: {{rate: {switch}, limit: F, …}}}}`; else "
+                    )?;
+                }
+                f.write_str(
+                    "describe what happens there as a phase with a constraint that keeps it 0 and events that lead in and out",
+                )
+            }
             Cause::ChatteringStates { switch } => write!(
                 f,
                 "chattering: both sides of `{switch}` = 0 push back to it; let an event that comes near hold the states of first order there: it sets \

@@ -5,6 +5,11 @@ use dalembert::mechanism::{ContactMode, Interpreted, System};
 use dalembert::{Cause, Error, Method, Run, Settings, Stepping, Unsteppable, simulate};
 use dalembert_symbolic::lower::compile;
 
+#[test]
+fn deriver_and_mechanisms_know_of_as_many_combinations() {
+    assert_eq!(dalembert::mechanism::MOST_COMBINATIONS, dalembert_symbolic::model::MOST_COMBINATIONS);
+}
+
 const BALL: &str = "
 name: Dropped
 parameters: {m: 1 kg, g: 9.81 m/s^2, e: 0.6, up: 1 m}

@@ -10,7 +10,7 @@ use dalembert_symbolic::{file, print};
 use serde_json::Value;
 
 use super::load::{Loaded, pairs};
-use super::{Context, Problem, check, json, outputs, starts};
+use super::{Context, Problem, check, initial_phases, json, outputs};
 
 /// Prints M, h, constraints and what was recognised; with `--rust`, `--python` or `--c` code.
 pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
@@ -33,7 +33,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
 fn print_form(loaded: &Loaded, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let mut program = loaded.program()?;
     if options.get_flag("python") || options.get_flag("c") {
-        starts::decide(&mut program, loaded);
+        initial_phases::decide(&mut program, loaded);
     }
     let model = &program.model;
     if options.get_flag("rust") {

@@ -198,6 +198,6 @@ fn endless(system: &dyn System, fired: &[Fired]) -> Cause {
     let follows = |fired: &&Fired| matches!(system.sampling().trigger(fired.event), Trigger::Set(_));
     match fired.iter().find(follows) {
         Some(fired) => Cause::EndlessSets { event: name(fired.event) },
-        None => Cause::Chattering { switch: name(fired.first().map_or(0, |fired| fired.event)) },
+        None => Cause::Chattering { switch: name(fired.first().map_or(0, |fired| fired.event)), is_rate: false },
     }
 }

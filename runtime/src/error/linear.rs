@@ -332,7 +332,7 @@ impl fmt::Display for LinearError {
             ),
             LinearError::AtTablePoint { along } => write!(
                 f,
-                "the equilibrium lies at a point of a table, and the stiffness or the damping along `{along}` is another on each side: there is \
+                "the equilibrium is at a point of a table, and the stiffness or the damping along `{along}` is another on each side: there is \
                  no linear model; `smooth: 1` or `2` has one slope at each point, or move the point"
             ),
             LinearError::LawNotSmooth { held } => write!(

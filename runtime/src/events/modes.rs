@@ -180,7 +180,7 @@ fn rest<S: System + ?Sized>(
     pushed.iter().all(|k| sampler.rate(*k).abs() <= STANDS * scale(rates.of, *k))
 }
 
-/// What is said of a switch to which both sides push back: of one of states of first order alone, that neither friction nor a constraint holds them.
+/// What is said of a switch to which both sides push back: friction may hold a rate, a constraint a place, and neither states of first order.
 pub(crate) fn chattering<S: System + ?Sized>(system: &S, (t, y): (f64, &[f64]), switch: usize) -> Cause {
     let (n, coordinates) = (system.len(), &system.description().coordinates);
     let still = vec![0.0; n];
@@ -190,15 +190,18 @@ pub(crate) fn chattering<S: System + ?Sized>(system: &S, (t, y): (f64, &[f64]), 
         pairs[2 * switch]
     };
     let (here, mut moved) = (value(y), y.to_vec());
-    let mut others = (0..2 * n).filter(|i| coordinates[i % n].state().is_none());
-    let of_others = others.any(|i| {
-        moved[i] += 1.0;
-        let there = value(&moved);
-        moved[i] = y[i];
-        there.to_bits() != here.to_bits()
-    });
+    let mut is_of = |range: std::ops::Range<usize>| {
+        let mut others = range.filter(|i| coordinates[i % n].state().is_none());
+        others.any(|i| {
+            moved[i] += 1.0;
+            let there = value(&moved);
+            moved[i] = y[i];
+            there.to_bits() != here.to_bits()
+        })
+    };
+    let (is_place, is_rate) = (is_of(0..n), is_of(n..2 * n));
     let switch = text(system, switch);
-    if of_others { Cause::Chattering { switch } } else { Cause::ChatteringStates { switch } }
+    if is_place || is_rate { Cause::Chattering { switch, is_rate } } else { Cause::ChatteringStates { switch } }
 }
 
 /// The switches that leave their surface, as was found out, or since they have slid to the end of what their sides can do, and to which side.

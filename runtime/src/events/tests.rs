@@ -198,14 +198,14 @@ fn dry_friction(x: f64) -> Toy {
 fn friction_that_sticks_is_chattering_where_it_sticks_e14() {
     for method in METHODS {
         let error = run(dry_friction(3.5), |s| s.method = method).unwrap_err();
-        assert_eq!(error.cause(), Some(&Cause::Chattering { switch: "x'".to_owned() }));
+        assert_eq!(error.cause(), Some(&Cause::Chattering { switch: "x'".to_owned(), is_rate: true }));
         let Error::Run(failure) = error else { panic!("no run") };
         assert!((failure.state.t - 2.0 * PI).abs() < 1e-8, "{method}: {}", failure.state.t);
         assert!((failure.state["x"] + 0.5).abs() < 1e-8, "{method}: {}", failure.state);
         assert!(failure.run.len() > 100);
     }
     let stuck = run(dry_friction(0.5), |_| ()).unwrap_err();
-    assert_eq!(stuck.cause(), Some(&Cause::Chattering { switch: "x'".to_owned() }));
+    assert_eq!(stuck.cause(), Some(&Cause::Chattering { switch: "x'".to_owned(), is_rate: true }));
 }
 
 #[test]
@@ -213,7 +213,7 @@ fn a_block_that_slides_to_rest_is_chattering_even_where_nothing_pushes() {
     let toy = Toy::new(&["x"], (&[0.0], &[1.0]), 2.0, |_, _, _, modes, a| a[0] = -3.0 * modes[0])
         .switch(switch("x'", SwitchKind::Sign, false), |_, _, v, a, p| p.copy_from_slice(&[v[0], a[0]]));
     let error = run(toy, |_| ()).unwrap_err();
-    assert_eq!(error.cause(), Some(&Cause::Chattering { switch: "x'".to_owned() }));
+    assert_eq!(error.cause(), Some(&Cause::Chattering { switch: "x'".to_owned(), is_rate: true }));
     assert!((error.partial().unwrap().last().t - 1.0 / 3.0).abs() < 1e-12);
 }
 
@@ -230,7 +230,7 @@ fn a_block_at_rest_waits_for_a_push() {
     assert!((run(toy(5.0), |_| ()).unwrap().last()["x"] - 1.0).abs() < 1e-12);
     assert!((run(toy(-5.0), |_| ()).unwrap().last()["x"] + 1.0).abs() < 1e-12);
     let held = run(toy(2.0), |_| ()).unwrap_err();
-    assert_eq!(held.cause(), Some(&Cause::Chattering { switch: "x'".to_owned() }));
+    assert_eq!(held.cause(), Some(&Cause::Chattering { switch: "x'".to_owned(), is_rate: true }));
     assert_eq!(held.partial().unwrap().last().t, 1.0);
 }
 
@@ -246,7 +246,7 @@ fn a_resting_sign_that_is_pushed_off_its_surface_is_chattering() {
     let toy = Toy::new(&["x"], (&[0.0], &[0.0]), 2.0, |t, _, _, modes, a| a[0] = t - modes[0])
         .switch(switch("x'", SwitchKind::Sign, false), |_, _, v, a, p| p.copy_from_slice(&[v[0], a[0]]));
     let error = run(toy, |_| ()).unwrap_err();
-    assert_eq!(error.cause(), Some(&Cause::Chattering { switch: "x'".to_owned() }));
+    assert_eq!(error.cause(), Some(&Cause::Chattering { switch: "x'".to_owned(), is_rate: true }));
 }
 
 #[test]

@@ -104,7 +104,7 @@ impl Ends {
         Ok(self.end_rate.iter().all(|rate| rate.is_finite()))
     }
 
-    /// Takes note that the end was moved: what was lost to rounding lies beside the constraints.
+    /// Takes note that the end was moved: what was lost to rounding is beside the constraints.
     pub fn move_end(&mut self) {
         let ends = self.end.iter().zip(&self.y);
         self.increment.iter_mut().zip(ends).for_each(|(increment, (end, y))| *increment = end - y);

@@ -97,8 +97,8 @@ fn write_contacts(f: &mut fmt::Formatter<'_>, over: &SteppedOver) -> fmt::Result
     let energy = if over.work > 0.0 { "gave" } else { "took" };
     writeln!(
         f,
-        "               they {energy} {:.4e} J; laws met to {:.0e} in {} at the most",
-        over.work.abs(),
+        "               they {energy} {} J; laws met to {:.0e} in {} at the most",
+        short(over.work.abs()),
         over.residual,
         counted(over.rounds as usize, "round")
     )

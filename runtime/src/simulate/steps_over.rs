@@ -10,8 +10,10 @@ use crate::integrate::made_of_reactions;
 use crate::mechanism::dense::constraint_triples;
 use crate::mechanism::{Action, At, Enforcement, Method, System};
 
-/// What depends on accelerations and multipliers shows where these are such numbers, which stand in no ratio to each other.
+/// What depends on accelerations and multipliers shows where these are multiples of such numbers, which stand in no ratio to each other: the golden
+/// ratio,
 const FIRST: f64 = 0.618_033_988_749_894_8;
+/// and the plastic number, x³ = x + 1.
 const SECOND: f64 = 1.324_717_957_244_746;
 /// States beside the start at which forces are asked whether they are made of reactions: coordinates and rates are moved by parts of these, SI.
 const ASIDE: [f64; 3] = [0.0, 0.37, 1.19];

@@ -285,13 +285,14 @@ fn sums_whose_terms_cancel_are_zero() {
 
 #[test]
 fn names_with_two_indices_stand_in_lists() {
-    let path = folder("two-indices").join("grid.yaml");
+    let folder = folder("two-indices");
+    let (path, table) = (folder.join("grid.yaml"), folder.join("grid.csv"));
     let text = "name: Grid\nparameters: {m: 1 kg, \"k[i in 1..2, j in 1..2]\": 3 N/m}\ncoordinates: {\"x[i in 1..2, j in 1..2]\": m}\n\
                 bodies: {\"b[i in 1..2, j in 1..2]\": {mass: m, position: \"[x[i,j], 0]\"}}\n\
                 springs: {\"s[i in 1..2, j in 1..2]\": {stretch: \"x[i,j]\", stiffness: \"k[i,j]\"}}\n\
                 scene: {start: {\"x[1,1]\": 1}, until: 1}\n";
     std::fs::write(&path, text).expect("a file");
-    let path = path.to_str().expect("a path");
+    let [path, table] = [&path, &table].map(|path| path.to_str().expect("a path"));
     let found = program(&["simulate", path, "--slopes", "x[1,1], k[1,2]", "--json"]).expect("slopes");
     let json: serde_json::Value = serde_json::from_str(&found).expect("JSON");
     assert!(
@@ -300,7 +301,7 @@ fn names_with_two_indices_stand_in_lists() {
         json["slopes"]
     );
     for arguments in [
-        &["sweep", path, "--vary", "m=1..2:2", "--show", "x[1,1],x[1,2]"] as &[&str],
+        &["sweep", path, "--vary", "m=1..2:2", "--show", "x[1,1],x[1,2]", "-o", table] as &[&str],
         &["needs", path, "--needs", "x[1,1],x[1,2]=1 mm"],
         &["solve", path, "--unknown", "x[1,1]=0.3", "--such-that", "x[1,1]=0.1"],
     ] {

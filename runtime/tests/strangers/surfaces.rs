@@ -1,4 +1,6 @@
-//! States of first order on surfaces: runs that ended with `chattering` and advice on dry friction.
+//! Motions on surfaces where forces or rates jump: runs that ended with `chattering`, and advice that did not fit.
+
+use dalembert::{Cause, Error};
 
 use super::case;
 
@@ -57,6 +59,15 @@ fn states_that_wind_about_two_surfaces_come_to_rest() {
                     scene: {start: {x: 1}, until: 20, tolerance: 1e-10}\n";
     let run = case(twisting).run();
     assert!(["x", "y"].iter().all(|name| run.last()[*name].abs() < 1e-12), "{:?}", run.last());
+}
+
+#[test]
+fn states_that_nothing_holds_are_not_told_of_friction() {
+    // At rest where both sides push back, and no side changes the rate of x at once.
+    let pushed = "name: Pushed\nstates: {x: {rate: y}, y: {rate: -2*sign(x) + 0.5}}\n\
+                  scene: {start: {x: 0}, until: 20, tolerance: 1e-10}\n";
+    let Err(Error::Run(failure)) = case(pushed).try_run() else { panic!("a motion") };
+    assert!(matches!(&failure.cause, Cause::ChatteringStates { switch } if switch == "x"), "{}", failure.cause);
 }
 
 /// A particle on a line that a force pulls to its middle, whatever the distance.

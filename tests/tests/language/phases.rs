@@ -182,7 +182,9 @@ events: {{x: {{when: x - 1, phase: x, then: m}}}}
 fn a_cycle_of_firings_at_one_instant_is_chattering() {
     let phases = "phases: {a: [], b: []}\nevents:\n  go: {when: x - 1, phase: a, direction: rising, then: b}\n";
     let back = "  back: {when: x - 1/2, phase: b, direction: rising, then: a}\n";
-    let Cause::Chattering { switch } = cause(&mut runner(&format!("{phases}{back}{GOES}"))) else { panic!("a motion") };
+    let Cause::Chattering { switch, is_rate: false } = cause(&mut runner(&format!("{phases}{back}{GOES}"))) else {
+        panic!("a motion")
+    };
     assert!(["go", "back"].contains(&switch.as_str()), "{switch}");
     // Beyond reach, b is left where x is 3/2.
     let run = runner(&format!("{phases}{}{GOES}", back.replace("1/2", "3/2").replace("then: a", "then: stop"))).run();

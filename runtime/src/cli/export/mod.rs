@@ -15,7 +15,7 @@ use self::description::Start;
 use self::fmu::Fmi;
 use super::load::Loaded;
 use super::set_up::set_up;
-use super::{Context, Problem, outputs, starts};
+use super::{Context, Problem, initial_phases, outputs};
 use crate::initial_state;
 
 /// Tolerances of an FMU's own integration are no tighter: beyond them its method of order 5 takes too many steps.
@@ -33,7 +33,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     }
     let mut loaded = Loaded::find(context, options)?;
     let mut program = loaded.program()?;
-    starts::decide(&mut program, &loaded);
+    initial_phases::decide(&mut program, &loaded);
     let code = print::c(&program, &loaded.name);
     if let Some(folder) = options.get_one::<String>("c") {
         c(&code, Path::new(folder), out)?;

@@ -642,9 +642,8 @@ impl EventLocator {
             }
         }
         // What is met again and again at one instant stays there, if it can.
-        let at_once = AT_ONCE * self.step;
         if (RESTARTS..2 * RESTARTS).contains(&self.restarts) {
-            modes::stay_where_on(system, &mut self.sampler, (t, y), (&on, at_once));
+            modes::stay_where_on(system, &mut self.sampler, (t, y), (&on, AT_ONCE * self.step));
         }
         self.sampler.at_state(system, t, y);
         for (switch, on) in on.into_iter().enumerate() {

@@ -7,9 +7,10 @@ use crate::integrate::StepFailure;
 use crate::mechanism::dense::constraint_triples;
 use crate::mechanism::{At, Contact, Description, KktSolver, System};
 
-/// A gap below this part of the sum of its terms is closed, as far as rounding tells; and so is one below this part of the way that its sides would go in
-/// the step: what rounds leave of the rates of a contact that rests opens it by less, and what opens and closes again sinks by some of that way.
+/// A gap below this part of the sum of its terms is closed, as far as rounding tells.
 const CLOSED: f64 = 16.0 * f64::EPSILON;
+/// So is one below this part of the way that its sides would go in the step: rates of a contact that rests are known to 1e-11, and to 1e-5 where rounds end
+/// early, and what it opens and closes by meanwhile is far less than the error of the step.
 const GRAZES: f64 = 1e-6;
 /// A limit is negative, or that of sticking is smaller than that of sliding, where it is so by more than this part of it.
 const WRONG: f64 = 1e-9;

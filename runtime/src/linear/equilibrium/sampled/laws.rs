@@ -44,18 +44,7 @@ impl Search {
 
     /// The same beside the rest, where what multiplies time does not vanish.
     fn timed_beside(&mut self, laws: &[Assignment]) -> Option<Target> {
-        let variables = self.variables();
-        let rest: Vec<f64> = variables.iter().map(|variable| *self.variable(*variable)).collect();
-        for (k, (variable, x)) in variables.iter().zip(&rest).enumerate() {
-            *self.variable(*variable) = x + BESIDE * (1.0 + x.abs()) / (1.0 + k as f64);
-        }
-        self.put_memory();
-        let found = self.timed(laws);
-        for (variable, x) in variables.iter().zip(rest) {
-            *self.variable(*variable) = x;
-        }
-        self.put_memory();
-        found
+        self.beside(|k| BESIDE / (1.0 + k as f64), |search| search.timed(laws))
     }
 
     /// All that a law may read and that departs from the rest.
@@ -79,10 +68,15 @@ impl Search {
         if !self.hides_slopes() {
             return find(self);
         }
+        self.beside(|k| NEAR[1] / (1.0 + k as f64).sqrt(), find)
+    }
+
+    /// Does something where all that a law may read is so far beside the rest, in parts of 1 and its size there.
+    fn beside<T>(&mut self, by: impl Fn(usize) -> f64, find: impl FnOnce(&Search) -> T) -> T {
         let variables = self.variables();
         let rest: Vec<f64> = variables.iter().map(|variable| *self.variable(*variable)).collect();
         for (k, (variable, x)) in variables.iter().zip(&rest).enumerate() {
-            *self.variable(*variable) = x + NEAR[1] * (1.0 + x.abs()) / (1.0 + k as f64).sqrt();
+            *self.variable(*variable) = x + by(k) * (1.0 + x.abs());
         }
         self.put_memory();
         let found = find(self);
