@@ -100,6 +100,13 @@ fn what_swings_ever_faster_about_a_surface_comes_to_rest_on_it() {
         let run = case(&pulled(force, "x: 1", 20.0)).run();
         assert!(run.last()["x"].abs() < 1e-12 && run.last()["x'"].abs() < 1e-9, "{force}: {:?}", run.last());
     }
+    // With friction beside it: round numbers, and some that ended with `chattering`.
+    for (pull, limit, start) in [(2.0, 1.0, 1.0), (1.178, 0.716, 1.488), (1.662, 1.009, 0.723)] {
+        let text = pulled(&format!("-{pull}*F*sign(x)"), &format!("x: {start}"), 60.0);
+        let rubs = text.replace("outputs", &format!("friction: {{rub: {{rate: x', limit: {limit} N}}}}\noutputs"));
+        let run = case(&rubs).run();
+        assert!(run.last()["x"].abs() < 1e-12 && run.last()["x'"].abs() < 1e-9, "{pull}: {:?}", run.last());
+    }
 }
 
 #[test]

@@ -44,6 +44,8 @@ pub(crate) struct EventLocator {
     /// How many restarts in a row came at once, and when the last one was.
     restarts: u32,
     last_restart: f64,
+    /// Which switches were on their surface at one of these.
+    met: Vec<bool>,
     /// Whether the last switches that crossed zero had left it by no more than rounding.
     within_rounding: bool,
     y: Vec<f64>,
@@ -123,6 +125,7 @@ impl EventLocator {
             monitors,
             stops,
             surface: vec![false; time_only.len()],
+            met: vec![false; time_only.len()],
             beyond: vec![None; time_only.len()],
             undecided: None,
             time_only,
@@ -633,8 +636,15 @@ impl EventLocator {
         self.last_restart = t;
         self.scanner.restart();
         self.monitors.forget();
-        let known = Known { surface: &self.surface, beyond: &self.beyond, leaves, step: self.step };
+        if !at_once {
+            self.met.fill(false);
+        }
+        // What was met at the instant about which restarts crowd is on its surface still: that it has left it is rounding.
+        let crowds = self.restarts > RESTARTS;
+        let surface: Vec<bool> = self.surface.iter().zip(&self.met).map(|(on, met)| *on || crowds && *met).collect();
+        let known = Known { surface: &surface, beyond: &self.beyond, leaves, step: self.step };
         let Chosen { on, undecided } = modes::choose(system, &mut self.sampler, (t, y), &known, trial)?;
+        self.met.iter_mut().zip(&on).for_each(|(met, on)| *met |= on);
         self.undecided = undecided;
         if self.restarts > SEVERAL {
             for switch in (0..on.len()).filter(|switch| on[*switch]) {
