@@ -241,6 +241,17 @@ pub enum Cause {
         /// When, s.
         t: f64,
     },
+    /// An input that is a Rust function (u, u', u'') changes otherwise than its u' says.
+    WrongRate {
+        /// The input.
+        input: String,
+        /// When, s.
+        t: f64,
+        /// What it says there, SI.
+        rate: f64,
+        /// How fast its values change there, SI.
+        slope: f64,
+    },
     /// An event's function, or the argument of a discontinuity, has more zeros within a step than can be told apart.
     OscillatesTooFast {
         /// The event's name, or the argument as the model file has it.
@@ -376,6 +387,7 @@ impl Cause {
             Cause::Interrupted => "interrupted",
             Cause::GimbalLock { .. } => "gimbal lock",
             Cause::InfiniteForce { .. } => "infinite force",
+            Cause::WrongRate { .. } => "wrong rate",
             Cause::OscillatesTooFast { .. } => "oscillates too fast",
             Cause::NoSeries { .. } => "no power series",
             Cause::TooManySteps { .. } | Cause::NeedsMoreSteps { .. } => "too many steps",
@@ -576,6 +588,14 @@ impl fmt::Display for Cause {
                 "infinite force: `{input}` jumps at t = {t} s, and what it carries would have to follow at once; let it \
                  change within a time, or act through a spring",
                 t = short(*t)
+            ),
+            Cause::WrongRate { input, t, rate, slope } => write!(
+                f,
+                "wrong rate: the function of the input `{input}` says u' = {rate} at t = {t} s, where its values change by {slope} a second; let it \
+                 return [u, u', u'']",
+                rate = short(*rate),
+                t = short(*t),
+                slope = short(*slope)
             ),
             Cause::EndsMeet { load, t } => write!(
                 f,

@@ -146,13 +146,14 @@ impl Integration {
         kinematics(system, At::packed(self.clock.now(), self.stepper.start().y, system.len()))
     }
 
-    /// Decides what all contacts do after a change by hand, before which their sides were placed and moved like this.
+    /// Follows changed clocks, and decides what all contacts do after a change by hand, before which their sides were placed and moved like this.
     pub fn changed_by_hand(
         &mut self,
         system: &mut dyn System,
         before: &[Kinematics],
         recorder: &mut Recorder,
     ) -> Result<(), Box<Cause>> {
+        self.ticks.follow(system, self.clock.now());
         if !before.is_empty() {
             begin_at(system, self.clock.now(), self.stepper.start().y);
             self.settle_after(system, Change::ByHand(before, begin_at_state), recorder)?;

@@ -389,7 +389,11 @@ impl Integration {
         let y = self.stepper.start().y.to_vec();
         if let Some(mut locator) = EventLocator::new(system, (now, until), &y, self.decorrelate_steps)? {
             locator.ignore(&self.ignored_events);
-            let outcome = locator.begin(system, (now, &y), &mut |system| self.trial(system));
+            let begins = locator.beginning(now);
+            if begins > now {
+                self.clock.set(begins);
+            }
+            let outcome = locator.begin(system, (self.clock.now(), &y), &mut |system| self.trial(system));
             self.locator = Some(Box::new(locator));
             outcome?;
         }
@@ -405,10 +409,8 @@ impl Integration {
         recorder: &mut Recorder,
         progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
     ) -> Result<StopReason, Box<Cause>> {
-        if self.clock.now() >= until {
-            return Ok(StopReason::Arrived);
-        }
-        if self.start_events(system, recorder)? == StopReason::Event {
+        let moves = self.clock.now() < until;
+        if moves && self.start_events(system, recorder)? == StopReason::Event {
             return Ok(StopReason::Event);
         }
         while self.clock.now() < until {
@@ -424,7 +426,11 @@ impl Integration {
         if self.ticks.is_due(self.clock.now()) && self.tick(system, recorder)? == StopReason::Event {
             return Ok(StopReason::Event);
         }
-        if self.clock.now() >= self.until { self.end_events(system, recorder) } else { Ok(StopReason::Arrived) }
+        if moves && self.clock.now() >= self.until {
+            self.end_events(system, recorder)
+        } else {
+            Ok(StopReason::Arrived)
+        }
     }
 
     /// Takes one step, or what an event or a discontinuity leaves of it; where a tick has come, does what that says.

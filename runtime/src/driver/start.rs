@@ -26,6 +26,15 @@ impl Integration {
         Ok(())
     }
 
+    /// Does what happens at the instant at which the motion starts: events first, then ticks.
+    pub fn act_at_start(&mut self, system: &mut dyn System, recorder: &mut Recorder) -> Result<StopReason, Box<Cause>> {
+        let mut stop_reason = self.start_events(system, recorder)?;
+        while stop_reason == StopReason::Arrived && self.ticks.is_due(self.clock.now()) {
+            stop_reason = self.tick(system, recorder)?;
+        }
+        Ok(stop_reason)
+    }
+
     /// Records events at whose zero the motion ends, and sets what they set.
     pub(super) fn end_events(
         &mut self,

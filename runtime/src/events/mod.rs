@@ -35,7 +35,7 @@ mod ticks;
 #[cfg(feature = "ensemble")]
 pub(crate) use features::{excludes_feature, ratio as calm_ratio};
 pub use impulse::Impulse;
-pub(crate) use impulse::gained;
+pub(crate) use impulse::{gained, impulse};
 pub(crate) use locator::{EventLocator, Fired, Interruption, RESTARTS, Switched};
 pub(crate) use modes::OwnedSegment;
 pub(crate) use modes::mode as switch_mode;

@@ -21,6 +21,9 @@ const SHORT: f64 = 1e-9;
 /// Deviation from the cubic that is allowed, in parts of the observed variation.
 const CONSISTENT: f64 = 0.05;
 
+/// Three rates that are off by more than this part of how fast the values change between them are not those of the values.
+const WRONG: f64 = 0.5;
+
 /// Features narrower than this part of a run may be missed by the scan of a closure.
 pub(crate) const WIDTH: f64 = 2e-4;
 
@@ -28,7 +31,10 @@ pub(crate) const WIDTH: f64 = 2e-4;
 ///
 /// Pieces are halved until value and slope at the middle are those of the cubic through the ends; what is still
 /// inconsistent when it is a billionth of the span is a break, and is narrowed to adjacent numbers.
-pub(crate) fn breaks(signal: &Signal, (from, until): (f64, f64)) -> Vec<Break> {
+///
+/// # Errors
+/// Where values change steadily at another rate than u'.
+pub(crate) fn breaks(signal: &Signal, (from, until): (f64, f64)) -> Result<Vec<Break>, WrongRate> {
     let span = until - from;
     let at = |t: f64| (t, signal(t));
     let mut found: Vec<Break> = Vec::new();
@@ -53,6 +59,9 @@ pub(crate) fn breaks(signal: &Signal, (from, until): (f64, f64)) -> Vec<Break> {
             continue;
         }
         if b.0 - a.0 < SHORT * span {
+            if let Some(slope) = other_slope(&a, &m, &b) {
+                return Err(WrongRate { t: m.0, rate: m.1[1], slope });
+            }
             found.extend(narrowed(&at, a, b));
             continue;
         }
@@ -60,7 +69,18 @@ pub(crate) fn breaks(signal: &Signal, (from, until): (f64, f64)) -> Vec<Break> {
         stack.push((a, m));
     }
     found.dedup_by(|later, earlier| later.before <= earlier.after + 4.0 * SHORT * span);
-    found
+    Ok(found)
+}
+
+/// A closure whose u' is not the rate of its u.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct WrongRate {
+    /// Where, s.
+    pub t: f64,
+    /// u' there.
+    pub rate: f64,
+    /// How fast u changes there.
+    pub slope: f64,
 }
 
 type Point = (f64, [f64; 3]);
@@ -76,6 +96,16 @@ fn consistent(a: &Point, m: &Point, b: &Point) -> bool {
     let turn = 0.25 * length * (dm - slope).abs();
     // Values that are not numbers are for the run to find.
     !((gm - value).abs() > CONSISTENT * r + noise || turn > CONSISTENT * r + 4.0 * noise)
+}
+
+/// How fast the values in a short piece change, if they do so steadily and all rates are others.
+fn other_slope(a: &Point, m: &Point, b: &Point) -> Option<f64> {
+    let [ga, gm, gb] = [a, m, b].map(|point| point.1[0]);
+    let slope = (gb - ga) / (b.0 - a.0);
+    let noise = 4.0 * f64::EPSILON * ga.abs().max(gb.abs());
+    let steady = (gm - 0.5 * (ga + gb)).abs() + noise <= CONSISTENT * (gb - ga).abs();
+    let other = [a, m, b].iter().all(|point| (point.1[1] - slope).abs() > WRONG * slope.abs());
+    (steady && other).then_some(slope)
 }
 
 /// The break in a short piece, between adjacent numbers; `None` where nothing changes but by rounding.
@@ -111,7 +141,21 @@ mod tests {
 
     fn of(f: impl Fn(f64) -> [f64; 3] + Send + Sync + 'static) -> Vec<Break> {
         let signal: Signal = Arc::new(f);
-        breaks(&signal, (0.0, 100.0))
+        breaks(&signal, (0.0, 100.0)).expect("rates of the values")
+    }
+
+    #[test]
+    fn a_rate_that_is_not_that_of_the_values_is_told() {
+        let signal: Signal = Arc::new(|t: f64| [0.1 * (3.0 * t).sin(), 0.0, 0.0]);
+        let wrong = breaks(&signal, (0.0, 100.0)).expect_err("a wrong rate");
+        assert!(wrong.rate == 0.0 && (wrong.slope - 0.3 * (3.0 * wrong.t).cos()).abs() < 1e-6, "{wrong:?}");
+        // Values that are held have no rate; a fast change that has one may be a break.
+        assert!(of(|t| [(3.0 * t).floor(), 0.0, 0.0]).len() > 290);
+        let fast = |t: f64| {
+            let x = ((t - 47.0) / 1e-10).tanh();
+            [x, (1.0 - x * x) / 1e-10, 0.0]
+        };
+        assert_eq!(of(fast).len(), 1);
     }
 
     #[test]

@@ -74,6 +74,15 @@ impl Stops {
         if self.is_due(t) { self.list.pop() } else { None }
     }
 
+    /// Passes by what has come at t, where it needs nothing but to be over: when it is.
+    pub fn pass(&mut self, t: f64) -> f64 {
+        let mut resume = t;
+        while let Some(stop) = self.pop(t) {
+            resume = resume.max(stop.after);
+        }
+        resume
+    }
+
     /// Whether the next stop has come.
     pub fn is_due(&self, t: f64) -> bool {
         self.list.last().is_some_and(|stop| stop.t <= t + SAME * t.abs())
@@ -114,7 +123,11 @@ impl Stops {
         }
         for input in 0..system.description().inputs.len() {
             let Some(signal) = system.signal(input) else { continue };
-            for one in breaks(signal, (self.horizon, end)).into_iter().filter(|one| one.after < self.until) {
+            let found = breaks(signal, (self.horizon, end)).map_err(|wrong| {
+                let input = system.description().inputs[input].to_string();
+                Box::new(Cause::WrongRate { input, t: wrong.t, rate: wrong.rate, slope: wrong.slope })
+            })?;
+            for one in found.into_iter().filter(|one| one.after < self.until) {
                 list.push(Stop { t: one.before, after: one.after, switches: Vec::new(), breaks: vec![(input, one)] });
             }
         }

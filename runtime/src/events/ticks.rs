@@ -67,6 +67,17 @@ impl Ticks {
         Ticks { clocks: clocks.collect(), of_events: sampling.triggers.iter().map(clock).collect() }
     }
 
+    /// Goes on at t with the present periods: of a clock that is another one ticks that are not before t are to come, but none twice at t.
+    pub fn follow<S: System + ?Sized>(&mut self, system: &S, t: f64) {
+        let anew = Ticks::new(system, t, None);
+        let clocks = self.clocks.iter_mut().zip(anew.clocks);
+        for (clock, anew) in clocks.filter(|(clock, anew)| clock.when != anew.when) {
+            let has_ticked = clock.next > 0 && same(clock.when.at(clock.next - 1), t);
+            let again = has_ticked && anew.is_due(t);
+            *clock = Ticking { next: anew.next + u64::from(again), ..anew };
+        }
+    }
+
     /// The numbers of the first ticks after those that have come at t.
     pub fn next_after(mut self, t: f64) -> Vec<u64> {
         while self.is_due(t) {

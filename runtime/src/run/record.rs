@@ -356,8 +356,8 @@ impl Recorder {
         self.begin_piece(system, t, start);
     }
 
-    /// Drops all but the first state, the last one, the phase and what was found of the whole motion.
-    pub fn forget(&mut self) {
+    /// Drops all but the first state, the last one, the phase, impulses of the present instant and what was found of the whole motion.
+    pub fn forget(&mut self, now: f64) {
         let run = &mut self.run;
         let last = run.times.len().saturating_sub(1);
         if last > 1 {
@@ -367,7 +367,7 @@ impl Recorder {
             run.outputs.drain(outputs..outputs * last);
         }
         run.events.clear();
-        run.impulses.clear();
+        run.impulses.retain(|impulse| impulse.t >= now);
         run.phases.drain(..run.phases.len().saturating_sub(1));
         run.ended_by = None;
     }

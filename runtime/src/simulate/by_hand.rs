@@ -2,21 +2,28 @@
 
 use std::ops::ControlFlow;
 
-use super::{Settings, Start, fail, finish, start};
+use super::{Settings, Start, check_clocks, fail, finish, start};
 use crate::cause::Cause;
 use crate::constrain::Kinematics;
 use crate::driver::{Integration, StopReason};
 use crate::error::Error;
-use crate::mechanism::System;
+use crate::mechanism::{At, Signal, System};
 use crate::run::{Occurrence, Recorder, Run, State, Work};
 use crate::stopwatch::Stopwatch;
 
 /// A run under way.  Between steps the state, the parameters and the inputs may be changed.
 ///
+/// Events at the start and ticks there have happened when it begins: they read the inputs that the file or
+/// [`Simulation::input`](crate::Simulation::input) gives.  The first step reports them.
+///
 /// A step costs the same however many there were, and keeps nothing: [`Stepping::finish`] returns the first state, the last two, the events of
 /// the last step, and drift, work and warnings of the whole motion.  [`Stepping::recorded`] keeps one state a step, dense output and pictures.
 /// After a change the drift of invariants and of the energy balance still counts from the start: what the caller does to the state is
 /// seen there.  `max_steps` limits each step by itself.
+///
+/// An input of which places or speeds are made acts on the motion by impulses where it jumps or turns, once the motion has begun: momenta go on,
+/// M Δq' = −F_u'' Δu' − F_u' Δu, as where a function of the file turns.  What would need an infinite force is refused: a body or a constraint that is
+/// moved at once.  Clocks follow parameters: ticks are at the multiples of the new period from then on.
 ///
 /// ```
 #[doc = include_str!("../../examples/control_loop.rs")]
@@ -32,9 +39,21 @@ pub struct Stepping<S: System> {
     seen: usize,
     /// Until when the integration has been begun.
     horizon: f64,
-    /// How the sides of contacts were placed and moved before the state or the system was changed; `None` where nothing was.
-    changed: Option<Vec<Kinematics>>,
+    /// What was before the state or the system was changed; `None` where nothing was.
+    changed: Option<Unchanged>,
+    /// An event that stopped the run where it starts, not yet told.
+    stopped_at_start: Option<Occurrence>,
     clock: Stopwatch,
+}
+
+/// A run before it was changed by hand.
+struct Unchanged {
+    /// How the sides of contacts were placed and moved.
+    contacts: Vec<Kinematics>,
+    /// (u, u', u'') of each input.
+    inputs: Vec<f64>,
+    /// The kinetic energy, J.
+    kinetic: f64,
 }
 
 /// The state of a run under way, to be changed.
@@ -55,13 +74,27 @@ impl<S: System> Stepping<S> {
         let clock = Stopwatch::start();
         let dense = settings.dense;
         let settings = Settings { dense: false, ..settings };
-        let Start { integration, recorder, outcome } = start(&mut system, &settings, f64::INFINITY)?;
-        if let Err(cause) = outcome {
-            return Err(fail(*cause, &system, &integration, recorder, clock));
-        }
+        let Start { mut integration, mut recorder, outcome } = start(&mut system, &settings, f64::INFINITY)?;
+        let stopped_at_start = match outcome.and_then(|()| integration.act_at_start(&mut system, &mut recorder)) {
+            Ok(StopReason::Arrived) => None,
+            Ok(StopReason::Event) => recorder.last_event(),
+            Err(cause) => return Err(fail(*cause, &system, &integration, recorder, clock)),
+        };
         let spacing = settings.every.or(settings.step).unwrap_or_else(|| settings.spacing());
         let (recorded, seen, horizon, changed) = (false, 0, settings.until, None);
-        Ok(Stepping { system, integration, recorder, spacing, recorded, dense, seen, horizon, changed, clock })
+        Ok(Stepping {
+            system,
+            integration,
+            recorder,
+            spacing,
+            recorded,
+            dense,
+            seen,
+            horizon,
+            changed,
+            stopped_at_start,
+            clock,
+        })
     }
 
     /// Keeps a state of every step from here on, with its events, and dense output and pictures unless the settings say otherwise:
@@ -91,20 +124,33 @@ impl<S: System> Stepping<S> {
         if !(dt > 0.0 && dt.is_finite()) {
             return Err(Error::BadSetting { setting: "dt", value: dt, expected: "a positive time" });
         }
+        if let Some(event) = self.stopped_at_start.take() {
+            return Ok(Some(event));
+        }
         let until = self.integration.time() + dt;
+        if self.changed.is_some() {
+            check_clocks(&self.system, until)?;
+        }
         match self.go(until) {
             Ok(StopReason::Arrived) => Ok(None),
             Ok(StopReason::Event) => Ok(self.recorder.last_event()),
-            Err(cause) => Err(fail(*cause, &self.system, &self.integration, self.recorder.clone(), self.clock)),
+            Err(cause) => Err(self.failed(*cause)),
         }
     }
 
+    fn failed(&self, cause: Cause) -> Error {
+        fail(cause, &self.system, &self.integration, self.recorder.clone(), self.clock)
+    }
+
     fn go(&mut self, until: f64) -> Result<StopReason, Box<Cause>> {
-        if !self.recorded {
-            self.recorder.forget();
+        if self.has_moved() {
+            if !self.recorded {
+                self.recorder.forget(self.integration.time());
+            }
+            self.seen = self.recorder.events().len();
         }
-        self.seen = self.recorder.events().len();
         self.integration.limit_anew();
+        self.take_up_inputs()?;
         if self.changed.is_some() {
             self.recorder.changed(&self.system, self.integration.time(), self.integration.state());
         }
@@ -113,7 +159,7 @@ impl<S: System> Stepping<S> {
             self.horizon = self.horizon.max(until + 100.0 * self.spacing);
             match &self.changed {
                 Some(before) => {
-                    self.integration.changed_by_hand(&mut self.system, before, &mut self.recorder)?;
+                    self.integration.changed_by_hand(&mut self.system, &before.contacts, &mut self.recorder)?;
                     self.integration.go_on(&mut self.system, self.horizon)?;
                 }
                 None => self.integration.prolong(&mut self.system, self.horizon)?,
@@ -146,16 +192,51 @@ impl<S: System> Stepping<S> {
     /// Holds an input at a value, SI, from now on, in place of its function of time; the integration begins anew.
     ///
     /// # Errors
-    /// [`Error::UnknownName`]; [`Error::BadSetting`] for what is no number.
+    /// [`Error::UnknownName`]; [`Error::BadSetting`] for what is no number; [`Error::Run`] where it would move a body or a constraint at once: give it
+    /// a function by [`Stepping::set_input_signal`].
     pub fn set_input(&mut self, name: &str, value: f64) -> Result<(), Error> {
-        let inputs = &self.system.description().inputs;
-        let Some(index) = inputs.iter().position(|input| input == name) else {
-            return Err(Error::unknown("input", name, inputs.iter()));
-        };
+        let index = self.input(name)?;
         if !value.is_finite() {
             return Err(Error::BadSetting { setting: "input", value, expected: "a number" });
         }
         self.system_mut().hold_input(index, value);
+        self.take_up_inputs().map_err(|cause| self.failed(*cause))
+    }
+
+    /// Gives an input another function of time, (u, u', u'') in SI, from now on; the integration begins anew.
+    ///
+    /// # Errors
+    /// As [`Stepping::set_input`].
+    pub fn set_input_signal(&mut self, name: &str, signal: Signal) -> Result<(), Error> {
+        let index = self.input(name)?;
+        self.system_mut().set_input(index, signal);
+        self.take_up_inputs().map_err(|cause| self.failed(*cause))
+    }
+
+    fn input(&self, name: &str) -> Result<usize, Error> {
+        let inputs = &self.system.description().inputs;
+        inputs.iter().position(|input| input == name).ok_or_else(|| Error::unknown("input", name, inputs.iter()))
+    }
+
+    /// Whether the motion has begun; what is changed before is the start.
+    fn has_moved(&self) -> bool {
+        self.integration.work().steps > 0
+    }
+
+    /// Lets what changed of inputs act on the speeds.
+    fn take_up_inputs(&mut self) -> Result<(), Box<Cause>> {
+        let (moved, t) = (self.has_moved(), self.integration.time());
+        let Some(before) = &mut self.changed else { return Ok(()) };
+        let mut now = vec![0.0; before.inputs.len()];
+        self.system.inputs(t, &mut now);
+        if now == before.inputs {
+            return Ok(());
+        }
+        if moved {
+            let inputs = (before.inputs.as_slice(), now.as_slice());
+            self.integration.inputs_changed(&mut self.system, inputs, before.kinetic, &mut self.recorder)?;
+        }
+        before.inputs = now;
         Ok(())
     }
 
@@ -191,7 +272,13 @@ impl<S: System> Stepping<S> {
     }
 
     fn note_change(&mut self) {
-        self.changed.get_or_insert_with(|| self.integration.kinematics(&self.system));
+        self.changed.get_or_insert_with(|| {
+            let (t, y) = (self.integration.time(), self.integration.state().y);
+            let mut inputs = vec![0.0; 3 * self.system.description().inputs.len()];
+            self.system.inputs(t, &mut inputs);
+            let kinetic = self.system.energy(At::packed(t, y, self.system.len())).kinetic;
+            Unchanged { contacts: self.integration.kinematics(&self.system), inputs, kinetic }
+        });
     }
 
     /// Work done until now.

@@ -264,18 +264,26 @@ fn start_of<'a>(settings: &Settings, guess: &'a [f64], held: &'a [bool]) -> cons
 /// Refuses settings that the mechanism itself refutes.
 fn check(system: &dyn System, settings: &Settings) -> Result<(), Error> {
     settings.check(system.description())?;
-    let wrong = |[from, every]: &[f64; 2]| {
-        let latest = from.abs().max(settings.from.abs()).max(settings.until.abs());
-        !(from.is_finite() && *every > CLOSEST_TICKS * latest && every.is_finite())
-    };
-    if let Some([_, every]) = system.clocks().into_iter().find(wrong) {
-        let expected = "a positive period of an event, long enough for its ticks to be told apart";
-        return Err(Error::BadSetting { setting: "every", value: every, expected });
-    }
+    check_clocks(system, settings.from.abs().max(settings.until.abs()))?;
     let (given, expected) = (settings.memory.as_ref().map(Vec::len), system.memory().len());
     match given {
         Some(given) if given != expected => Err(Error::WrongLength { setting: "memory", given, expected }),
         _ => steps_over::check(system, settings),
+    }
+}
+
+/// Refuses clocks whose ticks are not told apart until a time.
+fn check_clocks(system: &dyn System, until: f64) -> Result<(), Error> {
+    let wrong = |[from, every]: &[f64; 2]| {
+        let latest = from.abs().max(until);
+        !(from.is_finite() && *every > CLOSEST_TICKS * latest && every.is_finite())
+    };
+    match system.clocks().into_iter().find(wrong) {
+        Some([_, every]) => {
+            let expected = "a positive period of an event, long enough for its ticks to be told apart";
+            Err(Error::BadSetting { setting: "every", value: every, expected })
+        }
+        None => Ok(()),
     }
 }
 

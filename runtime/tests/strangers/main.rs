@@ -4,6 +4,7 @@
 mod advice;
 mod angles;
 mod branches;
+mod by_hand;
 mod contacts;
 mod control;
 mod equilibria;

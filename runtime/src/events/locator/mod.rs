@@ -145,6 +145,11 @@ impl EventLocator {
         self.ignored = events.to_vec();
     }
 
+    /// When a motion begins that starts at t: just after what closures do there.
+    pub fn beginning(&mut self, t: f64) -> f64 {
+        self.stops.pass(t)
+    }
+
     /// Chooses the modes at the start of a motion.
     pub fn begin<S: System + ?Sized>(
         &mut self,
@@ -614,6 +619,7 @@ impl EventLocator {
         }
         if self.stops.list.is_empty() && self.stops.horizon <= t {
             self.stops.extend(system, (&mut self.sampler, &mut self.arguments), y)?;
+            resume = self.stops.pass(resume);
         }
         Ok(Switched { any, resume, impulse })
     }
