@@ -1,6 +1,8 @@
-//! Work on the project itself: `cargo xtask golden`, `cargo xtask book`, `cargo xtask page`, `cargo xtask man`.
+//! Work on the project itself: `cargo xtask golden`, `cargo xtask book`, `cargo xtask page`,
+//! `cargo xtask constants`, `cargo xtask man`.
 
 mod book;
+mod constants;
 mod golden;
 mod man;
 mod page;
@@ -13,6 +15,7 @@ cargo xtask golden --record   write down what the program prints of every model 
 cargo xtask golden            compare with what was written down, and tell what differs
 cargo xtask book              build the book in docs/book as a web site, with mdBook
 cargo xtask page -o FOLDER     write dalembert.html there: the library in a browser, as one file
+cargo xtask constants FILES     change thresholds of these files, and tell which changes no test notices
 cargo xtask man -o FOLDER      write a man page of the program and of each of its commands there";
 
 /// The workspace's folder.
@@ -28,6 +31,7 @@ fn main() -> ExitCode {
         ["golden"] => golden::compare(),
         ["book"] => book::build(),
         ["page", "-o", folder] => page::build(folder),
+        ["constants", files @ ..] if !files.is_empty() => constants::study(files),
         ["man", "-o", folder] => man::write(folder),
         _ => Err(USAGE.to_owned()),
     };
