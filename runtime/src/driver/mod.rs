@@ -73,6 +73,8 @@ pub(crate) enum StopReason {
     Arrived,
     /// An event ended it.
     Event,
+    /// Stability limits the steps of an explicit method, for which another one is to be taken.
+    Stiff,
 }
 
 /// A step to try, or one that was.
@@ -146,6 +148,8 @@ pub(crate) struct Integration {
     /// What is still to be done before the next step.
     start: Starting,
     stiffness: StiffnessDetector,
+    /// Whether the motion ends where stability limits its steps.
+    leaves_where_stiff: bool,
     /// h|λ| at the end of the step that was tried.
     step_times_rate: f64,
     jumps: JumpDetector,
@@ -174,6 +178,7 @@ impl Integration {
         Integration {
             control: StepControl::new(stepper.control()),
             stiffness: StiffnessDetector::new(stepper.control().stiff),
+            leaves_where_stiff: false,
             step_times_rate: 0.0,
             jumps: JumpDetector::new(0.0),
             stepper,
@@ -266,6 +271,11 @@ impl Integration {
     pub fn ending_after(mut self, event: Option<usize>) -> Self {
         self.ends_after = event;
         self
+    }
+
+    /// Ends where stability limits its steps, or only warns.
+    pub fn leave_where_stiff(&mut self, leaves: bool) {
+        self.leaves_where_stiff = leaves;
     }
 
     /// With these clocks.
@@ -416,8 +426,9 @@ impl Integration {
         while self.clock.now() < until {
             let stop_reason = self.one(system, until, recorder);
             let goes_on = progress(self.clock.now());
-            if stop_reason? == StopReason::Event {
-                return Ok(StopReason::Event);
+            match stop_reason? {
+                StopReason::Arrived => {}
+                ended => return Ok(ended),
             }
             if goes_on.is_break() {
                 return Err(Cause::Interrupted.into());
@@ -477,8 +488,11 @@ impl Integration {
                     most = shorter;
                 }
                 outcome => {
-                    self.look_for_stiffness(step, recorder);
+                    let is_stiff = self.look_for_stiffness(step, recorder);
                     let Outcome::Kept(stop_reason) = outcome? else { continue };
+                    if is_stiff && self.leaves_where_stiff {
+                        return Ok(StopReason::Stiff);
+                    }
                     self.traced *= LONGER;
                     self.look_at_constraints(system, recorder)?;
                     self.look_at_contacts(system)?;
@@ -693,14 +707,14 @@ impl Integration {
         self.since_stop = if step.lands { 0 } else { self.since_stop + 1 };
     }
 
-    /// Warns once the step is limited by stability.
-    fn look_for_stiffness(&mut self, step: Step, recorder: &mut Recorder) {
-        if let StepPolicy::Adaptive { .. } = self.policy {
-            let step_times_rate = self.step_times_rate;
-            if self.stiffness.observe(step_times_rate) {
-                recorder.warn(Warning::Stiff { t: step.next, step_times_rate });
-            }
+    /// Warns where the step is limited by stability; whether it is.
+    fn look_for_stiffness(&mut self, step: Step, recorder: &mut Recorder) -> bool {
+        let step_times_rate = self.step_times_rate;
+        let is_stiff = matches!(self.policy, StepPolicy::Adaptive { .. }) && self.stiffness.observe(step_times_rate);
+        if is_stiff {
+            recorder.warn(Warning::Stiff { t: step.next, step_times_rate });
         }
+        is_stiff
     }
 
     /// What is to be said of the motion as a whole.

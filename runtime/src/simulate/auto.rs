@@ -58,6 +58,9 @@ pub(super) fn choose(settings: &Settings, system: &dyn System, y: &[f64]) -> Cho
     let structure = &description.structure;
     match settings.method {
         Method::Auto if settings.step.is_some() => because(Method::Rk4, "a step is given"),
+        Method::Auto if settings.turned_stiff => {
+            because(Method::Radau5, "what slides in space begins so slowly that its direction is stiff")
+        }
         Method::Auto if is_on_parabolas(settings, description) && !may_be_held(system, settings.from, y) => {
             because(Method::Verlet, "accelerations are constant, so that its parabolas are exact")
         }

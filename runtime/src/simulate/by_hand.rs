@@ -76,7 +76,7 @@ impl<S: System> Stepping<S> {
         let settings = Settings { dense: false, ..settings };
         let Start { mut integration, mut recorder, outcome } = start(&mut system, &settings, f64::INFINITY)?;
         let stopped_at_start = match outcome.and_then(|()| integration.act_at_start(&mut system, &mut recorder)) {
-            Ok(StopReason::Arrived) => None,
+            Ok(StopReason::Arrived | StopReason::Stiff) => None,
             Ok(StopReason::Event) => recorder.last_event(),
             Err(cause) => return Err(fail(*cause, &system, &integration, recorder, clock)),
         };
@@ -132,7 +132,7 @@ impl<S: System> Stepping<S> {
             check_clocks(&self.system, until)?;
         }
         match self.go(until) {
-            Ok(StopReason::Arrived) => Ok(None),
+            Ok(StopReason::Arrived | StopReason::Stiff) => Ok(None),
             Ok(StopReason::Event) => Ok(self.recorder.last_event()),
             Err(cause) => Err(self.failed(*cause)),
         }

@@ -92,7 +92,7 @@ pub(super) fn simulate(
                 *stopped = true;
                 until = until.min(integration.time() + instant);
             }
-            Ok(StopReason::Arrived) => {}
+            Ok(StopReason::Arrived | StopReason::Stiff) => {}
         }
         if progress(from).is_break() {
             ended.get_or_insert(Cause::Interrupted);

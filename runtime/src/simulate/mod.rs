@@ -43,7 +43,7 @@ pub use typed::Simulate;
 
 use crate::cause::{Cause, NoSeries};
 use crate::constrain::{self, Change, Elsewhere, Moment, consistent, other_branch, settle};
-use crate::driver::{Integration, StepPolicy};
+use crate::driver::{Integration, StepPolicy, StopReason};
 use crate::error::Error;
 use crate::events::{Ticks, begin_at, begin_at_state};
 use crate::integrate::Tolerance;
@@ -169,7 +169,8 @@ pub fn simulate_with(
     fill(&mut run);
     run.warn_of_integrals(system);
     if settings.digits {
-        estimate_global_error(system, settings, &mut run, progress);
+        let turned_stiff = settings.method == Method::Auto && run.method == Method::Radau5;
+        estimate_global_error(system, &Settings { turned_stiff, ..settings.clone() }, &mut run, progress);
     }
     Ok(run)
 }
@@ -182,11 +183,20 @@ fn together(
 ) -> Result<Run, Error> {
     let clock = Stopwatch::start();
     let Start { mut integration, mut recorder, outcome } = start(system, settings, settings.spacing())?;
+    integration.leave_where_stiff(may_turn_stiff(system, settings));
     let outcome = outcome.and_then(|()| integration.advance(system, settings.until, &mut recorder, progress));
     match outcome {
+        Ok(StopReason::Stiff) => together(system, &Settings { turned_stiff: true, ..settings.clone() }, progress),
         Ok(_) => Ok(finish(system, &integration, recorder, clock)),
         Err(cause) => Err(fail(*cause, system, &integration, recorder, clock)),
     }
+}
+
+/// Whether a run begins again with a stiff method where stability limits its steps: what slides in space slowly, as where it begins to at its limit, turns
+/// as fast as it is slow.
+fn may_turn_stiff(system: &dyn System, settings: &Settings) -> bool {
+    let in_space = system.contacts().all.iter().any(|contact| contact.direction.is_some());
+    in_space && settings.method == Method::Auto && !settings.turned_stiff && system.description().switches.is_empty()
 }
 
 /// Ticks that are nearer to each other than this part of their time are not told apart (`events/sides.rs`: what is one instant), and would never end.

@@ -85,6 +85,8 @@ pub struct Settings {
     /// Whether steps that the tolerance does not limit are chosen otherwise than usual: a run to compare with has none in
     /// common, even where stops and growth limit them all.
     pub(crate) decorrelate_steps: bool,
+    /// Whether `auto` met what slides in space and begins so slowly that explicit methods are limited by stability.
+    pub(crate) turned_stiff: bool,
     /// Steps of another run that limit those of this one.
     pub(crate) followed: Option<Followed>,
     /// The start that this one was moved from by rounding, which decides what is at its zero there.
@@ -140,6 +142,7 @@ impl Settings {
             enforcement: Enforcement::default(),
             stabilisation: Stabilisation::default(),
             decorrelate_steps: false,
+            turned_stiff: false,
             followed: None,
             beside: None,
             instants: Arc::from([]),
