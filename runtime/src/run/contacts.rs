@@ -2,6 +2,7 @@
 
 use super::extremes::extremes;
 use super::{Continuous, Run};
+use crate::constrain::with_shares;
 use crate::integrate::ContactTally;
 use crate::mechanism::{At, Contact, ContactEvent, ContactMode};
 
@@ -81,24 +82,19 @@ impl Run {
     fn held_by(&self, contacts: &[Contact]) -> Vec<Option<f64>> {
         let Some(mut own) = Continuous::new(self, &[]) else { return vec![None; contacts.len()] };
         let steps = own.steps().to_vec();
-        let (n, rows) = (self.description.coordinates.len(), self.description.rows.len());
-        let (mut a, mut lambda) = (vec![0.0; n], vec![0.0; rows]);
+        let n = self.description.coordinates.len();
         let mut functions = vec![0.0; 2 * self.description.events.len()];
         let ranges = extremes(&steps, contacts.len(), &mut |step, t, values| {
             values.fill(f64::NAN);
             let (system, y) = own.state(step, t);
             let modes = system.contacts().modes(system.phase());
             let at = At::packed(t, y, n);
-            if !modes.contains(&ContactMode::Sticks)
-                || system.accelerations_and_multipliers(at, &mut a, &mut lambda).is_err()
-            {
-                return;
-            }
+            let solved = if modes.contains(&ContactMode::Sticks) { with_shares(system, at) } else { None };
+            let Some((a, lambda)) = solved else { return };
             system.events(at.accelerated(&a).constrained(&lambda), &mut functions);
             for ((contact, mode), value) in contacts.iter().zip(&modes).zip(values) {
                 if let (ContactMode::Sticks, Some(event)) = (mode, contact.event(ContactEvent::Slips)) {
                     let force = contact.tangents().fold(0.0_f64, |force, row| force.hypot(lambda[row as usize]));
-                    // Of several that hold together, one may bear more than its own share at its limit.
                     let part = force / (functions[2 * event] + force * force).max(0.0).sqrt();
                     *value = if force == 0.0 { 0.0 } else { part.min(1.0) };
                 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::junctions::Junctions;
 use super::{Names, Occurrence, Run, Scenery, SpeedJump, State, Trajectory, Work};
 use crate::cause::Cause;
-use crate::constrain::{Projection, Residuals};
+use crate::constrain::{Projection, Residuals, where_shared};
 use crate::events::{EventNote, Impulse, Log, Remarkable};
 use crate::integrate::{Endpoint, Segment, Tally};
 use crate::mechanism::{At, Method, System};
@@ -590,6 +590,9 @@ pub(crate) fn evaluate_outputs<S: System + ?Sized>(
     let at = At::packed(t, y, system.len());
     if !system.description().outputs_use_accelerations {
         return system.outputs(at, outputs);
+    }
+    if let Some((a, lambda)) = where_shared(system, at) {
+        return system.outputs(at.accelerated(&a).constrained(&lambda), outputs);
     }
     if system.accelerations(at, accelerations).is_err() {
         accelerations.fill(f64::NAN);

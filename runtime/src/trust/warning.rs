@@ -317,7 +317,7 @@ impl fmt::Display for Warning {
             ),
             Warning::ReactionsNotUnique { outputs } => write!(
                 f,
-                "the reactions in `{}` are not unique, since constraints depend on each other: of all that give this motion the least are told; \
+                "the reactions in `{}` are not unique, since constraints depend on each other: one of all shares that give this motion is told; \
                  `check` names the constraints",
                 outputs.join("`, `")
             ),

@@ -399,3 +399,97 @@ fn a_ball_that_spins_after_it_struck_flies_on() {
     near(run.last()["y'"], 1.5 / 7.0, 1e-9, "y'");
     assert!(run.work.evaluations < 5000, "{:?}", run.work);
 }
+
+/// A sled on two feet, pushed ever more.
+const SLED: &str = "
+name: Sled
+parameters: {m: 8 kg, a: 0.5 m, mu: 0.3, mus: 0.35, r: 40 N/s, g: 9.81 m/s^2, I: 1 kg*m^2}
+coordinates: {x: m, y: m, th: rad}
+bodies: {bar: {mass: m, inertia: I, angle: th, position: '[x, y]'}}
+points: {A: '[x, y] + a*[cos(th), sin(th)]', B: '[x, y] - a*[cos(th), sin(th)]'}
+gravity: [0, -g]
+inputs: {f: r*t}
+forces: {push: {on: bar, force: '[f, 0]'}}
+contacts:
+  c1: {gap: A.y, on: bar, at: A, normal: ground.y, friction: mu, static: mus}
+  c2: {gap: B.y, on: bar, at: B, normal: ground.y, friction: mu, static: mus}
+outputs: {F1: reaction(c1.friction), F2: reaction(c2.friction)}
+scene: {until: 1, tolerance: 1e-11}
+";
+
+/// x at 1 s of what is pushed by r t once that is more than the limit, and rubs with less; m = 8 kg.
+fn pushed(limit: f64, rubs: f64) -> f64 {
+    let (r, m) = (40.0, 8.0);
+    let late = 1.0 - limit / r;
+    ((limit - rubs) * late.powi(2) / 2.0 + r * late.powi(3) / 6.0) / m
+}
+
+#[test]
+fn two_feet_stick_until_both_are_at_their_limits() {
+    let weight = 8.0 * 9.81;
+    let last = |text: &str| case(text).run().last();
+    let right = pushed(0.35 * weight, 0.3 * weight);
+    assert!((last(SLED)["x"] - right).abs() < 1e-9, "{} {right}", last(SLED)["x"]);
+    let alike = SLED.replace(", static: mus", "");
+    assert!((last(&alike)["x"] - pushed(0.3 * weight, 0.3 * weight)).abs() < 1e-9);
+    // The foot that bears more takes more: the centre is not in the middle.
+    let uneven = SLED.replace("A: '[x, y] + a*", "A: '[x, y] + 3*a*");
+    assert!((last(&uneven)["x"] - right).abs() < 1e-9, "{} {right}", last(&uneven)["x"]);
+    // Less than both can hold moves nothing, though more than one foot holds beside one that slides; they share it.
+    let held = last(&SLED.replace("r*t", "26 N"));
+    assert!(held["x"] == 0.0 && (held["F1"] + 13.0).abs() < 1e-12 && (held["F2"] + 13.0).abs() < 1e-12, "{held}");
+    let run = case(&SLED.replace("r*t", "27.5 N")).run();
+    assert!((run.last()["x"] - (27.5 - 0.3 * weight) / 16.0).abs() < 1e-9, "{}", run.last());
+    // Two carriages that a rod couples, each with its own friction.
+    let coupled = "name: Coupled\nparameters: {m: 4 kg, L: 5 N, r: 40 N/s, l: 1 m}\ncoordinates: {x: m, w: m}\ninputs: {f: r*t}\n\
+        bodies: {b: {mass: m, position: '[x, 0]'}, c: {mass: m, position: '[w, 1]'}}\nconstraints: {rod: w - x - l}\n\
+        forces: {push: {on: b, force: '[f, 0]'}}\n\
+        friction:\n  r1: {rate: x', on: b, along: ground.x, limit: L, static: 1.2*L}\n  \
+        r2: {rate: w', on: c, along: ground.x, limit: 2*L, static: 2.4*L}\n\
+        scene: {start: {w: 1}, until: 1, tolerance: 1e-11}\n";
+    assert!((last(coupled)["x"] - pushed(18.0, 15.0)).abs() < 1e-9, "{}", last(coupled));
+}
+
+#[test]
+fn feet_in_space_stick_until_all_are_at_their_limits() {
+    let feet = |rub: &str, direction: &str| {
+        format!(
+            "name: Bar\nparameters: {{m: 8 kg, a: 0.5 m, r: 40 N/s, g: 9.81 m/s^2, I: 1 kg*m^2, th: {direction} rad}}\n\
+             coordinates: {{x: m, y: m, z: m, psi: rad, be: rad}}\nframes: {{B: {{rotate: [[z, psi], [y, be]]}}}}\n\
+             bodies: {{bar: {{mass: m, inertia: [0, I, I], frame: B, position: '[x, y, z]'}}}}\n\
+             points: {{L1: '[x, y, z] + a*B.x', L2: '[x, y, z] - a*B.x'}}\ngravity: [0, 0, -g]\ninputs: {{f: r*t}}\n\
+             forces: {{push: {{on: bar, force: 'f*[cos(th), sin(th), 0]'}}}}\nimpacts: together\n\
+             contacts:\n  c1: {{gap: L1.z, on: bar, at: L1, normal: ground.z, {rub}}}\n  \
+             c2: {{gap: L2.z, on: bar, at: L2, normal: ground.z, {rub}}}\nscene: {{until: 1}}\n"
+        )
+    };
+    let weight = 8.0 * 9.81;
+    for (rub, rubs) in [("friction: 0.3, static: 0.35", 0.3), ("friction: 0.35", 0.35)] {
+        for direction in [0.0, 0.5, 1.2_f64] {
+            let run = case(&feet(rub, &direction.to_string())).run();
+            let last = run.last();
+            let right = pushed(0.35 * weight, rubs * weight);
+            assert!((last["x"] - right * direction.cos()).abs() < 1e-8, "{rub} {direction}: {last} {right}");
+            assert!((last["y"] - right * direction.sin()).abs() < 1e-8 && last["psi"].abs() < 1e-6, "{last}");
+            // What begins with no force left over is stiff.
+            assert_eq!(run.method == dalembert::Method::Radau5, !rub.contains("static"), "{}", run.method);
+        }
+    }
+}
+
+#[test]
+fn rates_that_depend_on_each_other_have_combinations_that_no_motion_passes() {
+    // A pair of gears with dry bearings: one slips forwards where the other one slips backwards.
+    let run = case(
+        "name: Gears\nparameters: {J1: 0.1 kg*m^2, J2: 0.4 kg*m^2, N: 3, M1: 0.2 N*m, M2: 0.5 N*m}\n\
+         coordinates: {a: rad, b: rad}\n\
+         bodies: {w1: {mass: 0, inertia: J1, angle: a, position: '[0, 0]'}, w2: {mass: 0, inertia: J2, angle: b, position: '[1, 0]'}}\n\
+         constraints: {gear: a + N*b}\n\
+         friction:\n  f1: {rate: a', on: w1, limit: M1}\n  f2: {rate: b', on: w2, limit: M2}\n\
+         scene: {start: {a': 10}, until: 2, tolerance: 1e-11}\n",
+    )
+    .run();
+    // (J1 + J2/N²) a'' = −M1 − M2/N.
+    let slows = (0.2 + 0.5 / 3.0) / (0.1 + 0.4 / 9.0);
+    assert!((run.last()["a'"] - (10.0 - 2.0 * slows)).abs() < 1e-9, "{}", run.last());
+}

@@ -1,6 +1,7 @@
 //! What is known of each contact where modes are chosen, and which combinations that leaves.
 
 use super::modes::Change;
+use super::share::with_shares;
 use super::{Kinematics, Moment, Situation, combinations};
 use crate::mechanism::{At, ContactEvent, ContactMode, System};
 
@@ -124,11 +125,10 @@ pub(super) fn with_grain(
 
 /// The direction in which a contact that sticks with all its force gives way: against the force.
 pub(super) fn direction_of_force(system: &mut dyn System, contact: usize, (t, y): (f64, &[f64])) -> ContactMode {
-    let n = system.len();
-    let (mut a, mut lambda) = (vec![0.0; n], vec![0.0; system.description().rows.len()]);
     let row = system.contacts().all[contact].tangent.unwrap_or(0) as usize;
-    let solved = system.accelerations_and_multipliers(At::packed(t, y, n), &mut a, &mut lambda);
-    if solved.is_ok() && lambda[row] > 0.0 { ContactMode::SlipsBackwards } else { ContactMode::SlipsForwards }
+    let solved = with_shares(system, At::packed(t, y, system.len()));
+    let backwards = solved.is_some_and(|(_, lambda)| lambda[row] > 0.0);
+    if backwards { ContactMode::SlipsBackwards } else { ContactMode::SlipsForwards }
 }
 
 pub(super) fn opposite(mode: ContactMode) -> ContactMode {

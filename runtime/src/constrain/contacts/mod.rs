@@ -4,18 +4,21 @@
 //!    accelerations under one combination: `trials.rs`.
 //!    In which direction what slides in space begins to: look in `directions.rs`.
 //! 2. Limits of friction that are none: look in `limits.rs`.
-//! 3. Impacts of several at once, by a stated law: look in `strike.rs`.
+//! 3. How several that stick share a force: look in `share.rs`.
+//! 4. Impacts of several at once, by a stated law: look in `strike.rs`.
 
 mod directions;
 mod known;
 mod limits;
 mod modes;
+mod share;
 mod strike;
 mod trials;
 
 pub(crate) use directions::direction;
 pub(crate) use limits::possible_limits;
 pub(crate) use modes::{Change, Turned, is_released, settle, turned};
+pub(crate) use share::{shares, where_shared, with_shares};
 pub(crate) use strike::{Strike, strike};
 
 use nalgebra::DMatrix;

@@ -7,6 +7,7 @@
 use super::directions::{along, is_near};
 use super::known::{Known, direction_of_force, in_order, known, with_grain};
 use super::limits::{part_of_sticking, possible_limits_of};
+use super::share::with_shares;
 use super::strike::Strike;
 use super::trials::{Kind, Shared, Sign, Trial, agrees, alike, compliance, enter, margins, trial_of, tried};
 use super::{Kinematics, Moment, STILL, Situation, held_direction, hold_direction, words};
@@ -183,8 +184,10 @@ fn are_held_by_sliding(
     let held = system.contacts().phase(&stuck);
     system.set_phase(held);
     let at = At::packed(t, y, system.len());
-    let (mut a, mut lambda) = (vec![0.0; system.len()], vec![0.0; system.description().rows.len()]);
-    let solved = system.accelerations_and_multipliers(at, &mut a, &mut lambda).is_ok();
+    let solved = with_shares(system, at);
+    system.set_phase(phase);
+    let (a, lambda) = solved?;
+    system.set_phase(held);
     let rows = rows_in_force(system).collect();
     let margins = margins(system, at.accelerated(&a).constrained(&lambda));
     let touches: Vec<bool> = modes.iter().map(|mode| mode.touches()).collect();
@@ -196,7 +199,7 @@ fn are_held_by_sliding(
         let part = part_of_sticking(system, (t, y), &touches, *k);
         pressed && part.is_some_and(|part| used <= ENOUGH * part)
     };
-    let held = solved && contacts.iter().all(is_held);
+    let held = contacts.iter().all(is_held);
     system.set_phase(phase);
     held.then_some(rows)
 }

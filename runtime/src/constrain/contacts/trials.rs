@@ -3,6 +3,7 @@
 use super::directions::{along, consistent};
 use super::known::Known;
 use super::modes::PutOnSides;
+use super::share::with_shares;
 use super::{held_direction, hold_direction};
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{constraint_matrix, mass_matrix};
@@ -126,12 +127,14 @@ pub(super) fn against_forces(
     contacts.iter().for_each(|k| stuck[*k] = ContactMode::Sticks);
     let phase = system.contacts().phase(&stuck);
     system.set_phase(phase);
-    let (mut a, mut lambda) = (vec![0.0; system.len()], vec![0.0; system.description().rows.len()]);
-    let solved = system.accelerations_and_multipliers(At::packed(t, y, system.len()), &mut a, &mut lambda).is_ok();
+    let solved = with_shares(system, At::packed(t, y, system.len()));
     let all = &system.contacts().all;
-    let against = |k: &usize| {
-        let force = all[*k].tangent.map_or([0.0; 2], |row| [-lambda[row as usize], -lambda[row as usize + 1]]);
-        if solved && force != [0.0; 2] { along(force) } else { [1.0, 0.0] }
+    let against = |k: &usize| match (&solved, all[*k].tangent) {
+        (Some((_, lambda)), Some(row)) => {
+            let force = [-lambda[row as usize], -lambda[row as usize + 1]];
+            if force == [0.0; 2] { [1.0, 0.0] } else { along(force) }
+        }
+        _ => [1.0, 0.0],
     };
     contacts.iter().map(against).collect()
 }
@@ -147,11 +150,9 @@ pub(super) struct Motion {
 impl Motion {
     /// In the phase in force; `None` where there is none.
     pub fn of(system: &dyn System, (t, y): (f64, &[f64])) -> Option<Motion> {
-        let (n, rows) = (system.len(), system.description().rows.len());
-        let at = At::packed(t, y, n);
-        let (mut a, mut lambda) = (vec![0.0; n], vec![0.0; rows]);
-        system.accelerations_and_multipliers(at, &mut a, &mut lambda).ok()?;
-        let mut second = vec![0.0; rows];
+        let at = At::packed(t, y, system.len());
+        let (a, lambda) = with_shares(system, at)?;
+        let mut second = vec![0.0; lambda.len()];
         system.constraint_bias(at, &mut second);
         let mut values = vec![0.0; system.description().constraint_pattern.len()];
         system.constraint_matrix(at, &mut values);

@@ -1,0 +1,309 @@
+//! How contacts that stick together share a force that the equations leave undetermined, as that of two feet of one body.
+//!
+//! They stay as long as they can share it so that none is beyond its limit (the static theorem of limit analysis; Drucker, Prager, Greenberg,
+//! Q. Appl. Math. 9, 1952, 381).  Of all shares that the equations admit the one is taken at which the largest part of a limit that any needs is the
+//! least: min over w of max |T + Z w|/L.  Forces across stay what they are.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::IN_SPAN;
+use crate::matrix::{solve_least, svd};
+use crate::mechanism::dense::constraint_matrix;
+use crate::mechanism::{At, ContactEvent, ContactMode, System, rows_in_force};
+
+/// Parts of limits that differ by this are the same.
+const EXACT: f64 = 1e-13;
+/// A least-squares solution that misses by less meets its equations.
+const MET: f64 = 1e-9;
+/// Exchanges of active bounds, and bounds added to what is round, at most: some ten are needed.
+const EXCHANGES: usize = 300;
+const BOUNDS: usize = 60;
+/// What holds nothing has this part of the largest limit.
+const LEAST: f64 = 1e-12;
+
+/// Accelerations and multipliers at a state, those of what sticks being shared so that the least part of any limit is needed; `None` where there are none.
+pub(crate) fn with_shares<S: System + ?Sized>(system: &S, at: At<'_>) -> Option<(Vec<f64>, Vec<f64>)> {
+    shared(system, at, &groups(system, at))
+}
+
+/// The same where anything is shared.
+pub(crate) fn where_shared<S: System + ?Sized>(system: &S, at: At<'_>) -> Option<(Vec<f64>, Vec<f64>)> {
+    let groups = groups(system, at);
+    if groups.is_empty() { None } else { shared(system, at, &groups) }
+}
+
+fn shared<S: System + ?Sized>(system: &S, at: At<'_>, groups: &[Group]) -> Option<(Vec<f64>, Vec<f64>)> {
+    let (mut a, mut lambda) = (vec![0.0; system.len()], vec![0.0; system.description().rows.len()]);
+    system.accelerations_and_multipliers(at, &mut a, &mut lambda).ok()?;
+    groups.iter().for_each(|group| group.share(system, at.accelerated(&a), &mut lambda));
+    Some((a, lambda))
+}
+
+/// Whether anything that sticks in the phase in force shares a force with others.
+pub(crate) fn shares<S: System + ?Sized>(system: &S, at: At<'_>) -> bool {
+    !groups(system, at).is_empty()
+}
+
+/// Rows that depend on each other: of contacts that stick, along which they hold, and of constraints.
+struct Group {
+    rows: Vec<usize>,
+    /// What multipliers of these rows, added together, do nothing: a column each.
+    idle: DMatrix<f64>,
+    /// The contacts that stick among them.
+    contacts: Vec<usize>,
+}
+
+/// The groups that share something in the phase in force.
+fn groups<S: System + ?Sized>(system: &S, at: At<'_>) -> Vec<Group> {
+    let contacts = system.contacts();
+    if contacts.all.is_empty() {
+        return Vec::new();
+    }
+    let modes = contacts.modes(system.phase());
+    let sticking: Vec<usize> = (0..modes.len()).filter(|k| modes[*k] == ContactMode::Sticks).collect();
+    let normals: Vec<usize> = contacts.all.iter().filter_map(|contact| Some(contact.normal? as usize)).collect();
+    let rows: Vec<usize> = rows_in_force(system).filter(|row| !normals.contains(row)).collect();
+    if sticking.is_empty() || rows.len() < 2 {
+        return Vec::new();
+    }
+    let mut matrix = constraint_matrix(system, at, &rows);
+    let (mut inertias, mut room) = (vec![0.0; system.len()], Vec::new());
+    system.inertias(at, &mut room, &mut inertias);
+    for (mut column, inertia) in matrix.column_iter_mut().zip(inertias) {
+        column *= if inertia > 0.0 { 1.0 / inertia.sqrt() } else { 1.0 };
+    }
+    let mut found = Vec::new();
+    let of_one = |row: usize, other: usize| {
+        let has = |k: &usize, place: usize| contacts.all[*k].tangents().any(|row| row as usize == rows[place]);
+        sticking.iter().any(|k| has(k, row) && has(k, other))
+    };
+    for places in connected(&matrix, &of_one) {
+        let rows: Vec<usize> = places.iter().map(|place| rows[*place]).collect();
+        let own = |k: &usize| contacts.all[*k].tangents().any(|row| rows.contains(&(row as usize)));
+        let sticking: Vec<usize> = sticking.iter().copied().filter(own).collect();
+        if rows.len() < 2 || sticking.is_empty() {
+            continue;
+        }
+        if let Some(idle) = idle(&matrix.select_rows(&places)) {
+            found.push(Group { rows, idle, contacts: sticking });
+        }
+    }
+    found
+}
+
+/// The rows of a matrix in groups that have no column in common, and of which no two are `of_one` contact.
+fn connected(matrix: &DMatrix<f64>, of_one: &dyn Fn(usize, usize) -> bool) -> Vec<Vec<usize>> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for row in 0..matrix.nrows() {
+        let meets = |group: &Vec<usize>| {
+            let meet = |other: usize| (0..matrix.ncols()).any(|i| matrix[(row, i)] != 0.0 && matrix[(other, i)] != 0.0);
+            group.iter().any(|other| of_one(row, *other) || meet(*other))
+        };
+        let (mut joined, others): (Vec<_>, Vec<_>) = groups.into_iter().partition(meets);
+        joined.push(vec![row]);
+        groups = others;
+        groups.push(joined.concat());
+    }
+    groups
+}
+
+/// w with wᵀ J = 0, a column each; `None` where the rows do not depend on each other.
+fn idle(rows: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let (count, n) = rows.shape();
+    let norms: Vec<f64> = rows.row_iter().map(|row| row.norm()).collect();
+    // With as many columns as rows there are as many vectors on the left.
+    let mut square = rows.clone().resize_horizontally(n.max(count), 0.0);
+    square.row_iter_mut().zip(&norms).filter(|(_, norm)| **norm > 0.0).for_each(|(mut row, norm)| row /= *norm);
+    let svd = svd(square, true, false)?;
+    let largest = svd.singular_values.max();
+    let vectors = svd.u?;
+    let columns: Vec<DVector<f64>> = (0..count)
+        .filter(|k| svd.singular_values[*k] <= IN_SPAN * largest)
+        .map(|k| DVector::from_fn(count, |i, _| if norms[i] > 0.0 { vectors[(i, k)] / norms[i] } else { 0.0 }))
+        .collect();
+    (!columns.is_empty()).then(|| DMatrix::from_columns(&columns))
+}
+
+impl Group {
+    fn share<S: System + ?Sized>(&self, system: &S, at: At<'_>, lambda: &mut [f64]) {
+        let mut pairs = vec![0.0; 2 * system.description().events.len()];
+        system.events(at.constrained(lambda), &mut pairs);
+        let contacts = &system.contacts().all;
+        // L² − T² is the function of the event at which it slips.
+        let limit = |k: usize| {
+            let force: f64 = contacts[k].tangents().map(|row| lambda[row as usize].powi(2)).sum();
+            let difference = contacts[k].event(ContactEvent::Slips).map_or(0.0, |event| pairs[2 * event]);
+            (difference + force).max(0.0).sqrt()
+        };
+        let limits: Vec<f64> = self.contacts.iter().map(|k| limit(*k)).collect();
+        let least = LEAST * limits.iter().fold(0.0_f64, |most, limit| most.max(*limit));
+        let parts = self.contacts.iter().zip(limits).filter_map(|(k, limit)| {
+            let rows: Vec<usize> = contacts[*k].tangents().map(|row| row as usize).collect();
+            let places = rows.iter().map(|row| self.rows.iter().position(|own| own == row));
+            let places: Vec<usize> = places.collect::<Option<_>>()?;
+            let limit = limit.max(least);
+            let force = DVector::from_iterator(rows.len(), rows.iter().map(|row| lambda[*row]));
+            Some(Part { force: force / limit, idle: self.idle.select_rows(&places) / limit })
+        });
+        let parts: Vec<Part> = parts.collect();
+        if let Some(w) = least_largest(&parts) {
+            let added = &self.idle * w;
+            self.rows.iter().zip(added.iter()).for_each(|(row, more)| lambda[*row] += more);
+        }
+    }
+}
+
+/// T/L of one contact: `force` + `idle` w.
+struct Part {
+    force: DVector<f64>,
+    idle: DMatrix<f64>,
+}
+
+impl Part {
+    fn at(&self, w: &DVector<f64>) -> DVector<f64> {
+        &self.force + &self.idle * w
+    }
+
+    /// The part in a direction, an affine function of w that is never more than the size.
+    fn along(&self, direction: &DVector<f64>) -> Bound {
+        Bound { slope: self.idle.tr_mul(direction), value: self.force.dot(direction) }
+    }
+}
+
+/// slope·w + value ≤ s.
+struct Bound {
+    slope: DVector<f64>,
+    value: f64,
+}
+
+impl Bound {
+    fn at(&self, w: &DVector<f64>) -> f64 {
+        self.slope.dot(w) + self.value
+    }
+}
+
+/// w at which the largest size of all parts is the least: by bounds that touch the sizes, more of them where one is not yet exact
+/// (Kelley, J. SIAM 8, 1960, 703).
+fn least_largest(parts: &[Part]) -> Option<DVector<f64>> {
+    let unknowns = parts.first()?.idle.ncols();
+    let all: Vec<f64> = parts.iter().flat_map(|part| part.force.iter().copied()).collect();
+    if all.iter().any(|x| !x.is_finite()) || parts.iter().any(|part| part.idle.iter().any(|x| !x.is_finite())) {
+        return None;
+    }
+    let mut rows = DMatrix::zeros(all.len(), unknowns);
+    let mut first = 0;
+    for part in parts {
+        rows.rows_mut(first, part.idle.nrows()).copy_from(&part.idle);
+        first += part.idle.nrows();
+    }
+    // Whatever the shares were: the least sum of squares.
+    let right = DMatrix::from_iterator(all.len(), 1, all.iter().map(|x| -x));
+    let mut w: DVector<f64> = solve_least(&rows, &right)?.column(0).into_owned();
+    let mut bounds: Vec<Bound> = Vec::new();
+    for part in parts {
+        for axis in 0..part.force.len() {
+            for sign in [1.0, -1.0] {
+                let direction = DVector::from_fn(part.force.len(), |i, _| if i == axis { sign } else { 0.0 });
+                bounds.push(part.along(&direction));
+            }
+        }
+    }
+    for _ in 0..BOUNDS {
+        let largest = lowest(&bounds, &mut w)?;
+        let count = bounds.len();
+        for part in parts {
+            let size = part.at(&w).norm();
+            if size > largest + EXACT * largest.max(1.0) {
+                bounds.push(part.along(&(part.at(&w) / size)));
+            }
+        }
+        if bounds.len() == count {
+            break;
+        }
+    }
+    Some(w)
+}
+
+/// The lowest s that all bounds let be, from w on, by exchanges of those that are active (Best and Ritter, Linear Programming, 1985, ch. 3).
+fn lowest(bounds: &[Bound], w: &mut DVector<f64>) -> Option<f64> {
+    let height =
+        |w: &DVector<f64>| bounds.iter().map(|bound| bound.at(w)).enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+    let (first, mut s) = height(w)?;
+    let mut active = vec![first];
+    for _ in 0..EXCHANGES {
+        let slopes = DMatrix::from_fn(active.len(), w.len(), |i, j| bounds[active[i]].slope[j]);
+        // The way on which all active bounds fall alike.
+        let down = DMatrix::from_element(active.len(), 1, -1.0);
+        let way: DVector<f64> = solve_least(&slopes, &down)?.column(0).into_owned();
+        let missed = slopes.clone() * &way + DVector::from_element(active.len(), 1.0);
+        if missed.amax() <= MET {
+            let step = |k: usize| {
+                let closes = bounds[k].slope.dot(&way) + 1.0;
+                (closes > MET).then(|| ((s - bounds[k].at(w)) / closes).max(0.0))
+            };
+            let others = (0..bounds.len()).filter(|k| !active.contains(k));
+            let next = others.filter_map(|k| Some((k, step(k)?))).min_by(|a, b| a.1.total_cmp(&b.1))?;
+            *w += next.1 * way;
+            s -= next.1;
+            active.push(next.0);
+            continue;
+        }
+        // Their shares of 1 that let s no lower.
+        let mut equations = slopes.transpose().resize_vertically(w.len() + 1, 1.0);
+        equations.row_mut(w.len()).fill(1.0);
+        let right = DMatrix::from_fn(w.len() + 1, 1, |i, _| if i == w.len() { 1.0 } else { 0.0 });
+        let weights = solve_least(&equations, &right)?;
+        let (place, least) = weights.iter().copied().enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;
+        if least >= -MET {
+            break;
+        }
+        active.remove(place);
+    }
+    height(w).map(|(_, s)| s)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn part(force: &[f64], idle: &[&[f64]], limit: f64) -> Part {
+        let rows = DMatrix::from_fn(idle.len(), idle[0].len(), |i, j| idle[i][j]);
+        Part { force: DVector::from_column_slice(force) / limit, idle: rows / limit }
+    }
+
+    fn largest(parts: &[Part]) -> f64 {
+        let w = least_largest(parts).expect("a share");
+        parts.iter().map(|part| part.at(&w).norm()).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn all_in_one_line_reach_their_limits_together() {
+        // 26 N on two feet; on three with other limits: 26/(3 + 5 + 7).
+        let two = [part(&[0.0], &[&[1.0]], 13.0), part(&[26.0], &[&[-1.0]], 26.0)];
+        assert!((largest(&two) - 26.0 / 39.0).abs() < 1e-14);
+        let three = [
+            part(&[26.0], &[&[-1.0, -1.0]], 3.0),
+            part(&[0.0], &[&[1.0, 0.0]], 5.0),
+            part(&[0.0], &[&[0.0, 1.0]], 7.0),
+        ];
+        assert!((largest(&three) - 26.0 / 15.0).abs() < 1e-13);
+    }
+
+    #[test]
+    fn in_space_sizes_count() {
+        // Two feet along x, pushed across and along: what is along is shared so that hypot(3, p) and hypot(1, 4 − p) are alike.
+        let feet = [part(&[4.0, 3.0], &[&[-1.0], &[0.0]], 1.0), part(&[0.0, 1.0], &[&[1.0], &[0.0]], 1.0)];
+        // 9 + p² = 1 + (4 − p)²: p = 1.
+        assert!((largest(&feet) - 10.0_f64.sqrt()).abs() < 1e-12, "{}", largest(&feet));
+    }
+
+    #[test]
+    fn what_shares_nothing_is_left() {
+        let matrix = DMatrix::from_row_slice(3, 3, &[1.0, 0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0]);
+        assert_eq!(connected(&matrix, &|_, _| false).len(), 3);
+        assert_eq!(connected(&matrix, &|i, j| i + j == 1), [vec![0, 1], vec![2]]);
+        assert!(idle(&matrix.rows(0, 2).into_owned()).is_none());
+        let idle = idle(&DMatrix::from_row_slice(3, 2, &[1.0, 0.0, 2.0, 0.0, 0.0, 1.0])).expect("one");
+        assert!(idle.ncols() == 1 && (idle[(0, 0)] + 2.0 * idle[(1, 0)]).abs() < 1e-15 && idle[(2, 0)].abs() < 1e-15);
+    }
+}
