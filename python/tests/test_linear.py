@@ -160,3 +160,56 @@ def test_departures_from_a_motion(cart):
             missing()
     with pytest.raises(dalembert.UsageError, match="about a rest"):
         cart.linearise(at_time=1, steady=True)
+
+
+SHAKEN = """
+name: Shaken
+parameters: {m: 2 kg, k: 50 N/m, c: 3 N*s/m, A: 0.2 m, w: 3 rad/s}
+coordinates: {x: m}
+inputs: {base: 0 m, push: 0 N}
+bodies: {b: {mass: m, position: "[x + base, 0]"}}
+springs: {s: {stretch: x, stiffness: k, along: ground.x, on: b}}
+forces: {air: {on: b, force: "[push - c*(x' + base'), 0]"}}
+scene: {start: {x: 0.1}, until: 1}
+"""
+
+
+def test_rates_and_accelerations_of_inputs_are_forces():
+    # m (x'' + base'') + c (x' + base') + k x = push.
+    linear = dalembert.load(SHAKEN).linearise()
+    assert linear.inputs == ["base", "push"] and (linear.M, linear.C, linear.K) == ([[2]], [[3]], [[50]])
+    assert linear.F.tolist() == [[0, 1]] and linear.F_rates.tolist() == [[-3, 0]] and linear.F_accelerations.tolist() == [[-2, 0]]
+    assert linear.state_inputs == ["base", "base'", "base''", "push"] and np.allclose(linear.B, [[0] * 4, [0, -1.5, -1, 0.5]])
+
+
+def test_a_moved_base_moves_the_linear_model_as_scipy_moves_it():
+    from scipy.integrate import solve_ivp
+
+    model = dalembert.load(SHAKEN)
+    linear, omega = model.linearise(), 3.0
+    motion = model.simulate(input={"base": "A*sin(w*t)"}, tolerance=1e-11)
+
+    def rate(t, y):
+        base = 0.2 * np.array([np.sin(omega * t), omega * np.cos(omega * t), -(omega**2) * np.sin(omega * t)])
+        u = [np.array([value, 0.0]) for value in base]
+        forces = linear.F @ u[0] + linear.F_rates @ u[1] + linear.F_accelerations @ u[2]
+        return np.concatenate([y[1:], np.linalg.solve(linear.M, forces - linear.C @ y[1:] - linear.K @ y[:1])])
+
+    found = solve_ivp(rate, (0, 1), motion.y[0], rtol=1e-10, atol=1e-12, t_eval=motion.t)
+    assert np.abs(found.y.T - motion.y).max() < 1e-7
+
+
+@pytest.mark.parametrize("name", ["push", "base", "x"])
+def test_inputs_are_those_that_were_asked_for(name):
+    linear = dalembert.load(SHAKEN).linearise(in_=name)
+    assert linear.inputs == [linear.state_inputs[0]] and linear.F.shape == (1, 1) and len(linear.input_units) == 1
+    stacked = {f"{linear.inputs[0]}{prime}": F for prime, F in zip(["", "'", "''"], [linear.F, linear.F_rates, linear.F_accelerations])}
+    acting = np.hstack([stacked[state_input] for state_input in linear.state_inputs])
+    assert np.allclose(linear.B[1:], np.linalg.solve(linear.M, acting))
+
+
+def test_models_of_first_order_and_motions_name_what_was_asked_for():
+    motor = dalembert.load("motor")
+    assert motor.linearise(in_="u").inputs == motor.linearise(in_="u").state_inputs == ["u"]
+    shaken = dalembert.load(SHAKEN)
+    assert shaken.linearise(at_time=0.5, in_="push").inputs == ["push"] and shaken.linearise(at_time=0.5).inputs == ["base", "push"]

@@ -17,8 +17,9 @@ _Array = NDArray[np.float64]
 
 
 class Linear(Report):
-    """M q'' + C q' + K q = F u about an equilibrium, and x' = A x + B u, y = output_matrix x + feedthrough u with x = (q, q').
+    """M q'' + C q' + K q = F u + F_rates u' + F_accelerations u'' about an equilibrium, and x' = A x + B w, y = output_matrix x + feedthrough w.
 
+    u are the `inputs`, which `in_` chose, w the `state_inputs`: u, and after each of its entries those of its rates that act; x = (q, q').
     All numbers are in SI units. Models with states of first order, and departures from a motion (`at_time`), have no M, C, K and F.
     """
 
@@ -45,8 +46,18 @@ class Linear(Report):
 
     @property
     def F(self) -> _Array:
-        """What inputs do to the equations of motion, a column each."""
+        """What `inputs` do to the equations of motion, a column each."""
         return self._matrix("F")
+
+    @property
+    def F_rates(self) -> _Array:
+        """What the rates of `inputs` do to them, a column each: the damper to a moved base."""
+        return self._matrix("F_rates")
+
+    @property
+    def F_accelerations(self) -> _Array:
+        """What the second rates of `inputs` do to them, a column each: the inertia of what a moved base carries."""
+        return self._matrix("F_accelerations")
 
     @property
     def A(self) -> _Array:
@@ -82,7 +93,7 @@ class Linear(Report):
 
     @property
     def state_inputs(self) -> list[str]:
-        """The names of u in B u: the inputs, and after each those of its rates that act."""
+        """The names of w, of columns of B: `inputs`, and after each those of its rates that act."""
         return self.data["state"]["inputs"]
 
     @property
@@ -102,7 +113,7 @@ class Linear(Report):
 
     @property
     def inputs(self) -> list[str]:
-        """The names of u."""
+        """The names of u, of columns of F, F_rates and F_accelerations: what `in_` named, all inputs of the model if it was not given."""
         return self.data["inputs"]
 
     @property

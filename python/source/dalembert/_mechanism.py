@@ -245,9 +245,10 @@ class Mechanism:
         out: Optional[_Names] = None,
         params: Optional[_Path] = None,
     ) -> Linear:
-        """Finds an equilibrium as `modes` does, and gives the matrices there: M, C, K, F, and A and B of x' = A x + B u.
+        """Finds an equilibrium as `modes` does, and gives the matrices there: of M q'' + C q' + K q = F u + F_rates u' + F_accelerations u'', and
+        of x' = A x + B w, where w are u and those of its rates that act.
 
-        `out` names outputs (coordinates, rates, states, outputs), of which `output_matrix` and `feedthrough` are C and D of y = C x + D u; `in_` names
+        `out` names outputs (coordinates, rates, states, outputs), of which `output_matrix` and `feedthrough` are C and D of y = C x + D w; `in_` names
         what u is: inputs, entries of `forces` or `torques`, coordinates that a force acts on; all inputs if not given.
         `at_time` asks for small departures from the scene's motion instead, as they are then.
         """

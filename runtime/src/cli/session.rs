@@ -168,8 +168,8 @@ impl Session {
         Answer { text: String::from_utf8_lossy(&out).into_owned(), problem }
     }
 
-    /// Linearises as `modes` does, by its options: one JSON object with M, C, K and F of
-    /// M q'' + C q' + K q = F u (and what u' and u'' do), A and B of x' = A x + B u, names and units; with `--out` C and D of
+    /// Linearises as `modes` does, by its options: one JSON object with M, C, K, F, F_rates and
+    /// F_accelerations of M q'' + C q' + K q = F u + F_rates u' + F_accelerations u'', A and B of x' = A x + B u, names and units; with `--out` C and D of
     /// y = C x + D u; with `--at-time` A to D of departures from a motion.
     ///
     /// # Errors

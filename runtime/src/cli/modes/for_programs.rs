@@ -1,4 +1,5 @@
-//! What `modes` linearises as one JSON object, for programs that design controllers: M q'' + C q' + K q = F u, and x' = A x + B u.
+//! What `modes` linearises as one JSON object, for programs that design controllers: M q'' + C q' + K q = F u + F_rates u' + F_accelerations u'',
+//! and x' = A x + B u.
 
 use clap::ArgMatches;
 use nalgebra::DMatrix;
@@ -9,6 +10,7 @@ use super::super::load::Loaded;
 use super::super::set_up::Reader;
 use super::super::{Context, Problem};
 use super::model::Model;
+use super::shaken::Shakeable;
 use super::state_space::{self, all_inputs, input_unit, matrix};
 use super::trim::Trim;
 use super::{Place, Prepared, failed, instant, prepared};
@@ -41,20 +43,25 @@ pub fn linearised(context: Context<'_>, options: &ArgMatches) -> Result<Value, P
         Model::Free(&free)
     };
     let linear = model.linear();
-    let drives = all_inputs(&loaded, &mut reader, linear)?;
+    let drives = match options.contains_id("in") {
+        true => state_space::drives(&loaded, options, &mut reader, &Shakeable::of(linear))?,
+        false => all_inputs(&loaded, &mut reader, linear)?,
+    };
     let state = match names_ends(options) {
         true => state_space::of_model(&loaded, options, &mut reader, model)?,
         false => linear.input_output(&drives, &Observed::coordinates(linear)).map_err(failed)?,
     };
-    let input = linear.input.to_dense();
-    let of_order = |order: usize| DMatrix::from_fn(linear.len(), linear.inputs.len(), |i, j| input[(i, 3 * j + order)]);
+    let of_order = |order: usize| {
+        let columns: Vec<_> = drives.iter().map(|named| linear.pushed_by(&named.drive, order)).collect();
+        DMatrix::from_fn(linear.len(), columns.len(), |i, j| columns[j][i])
+    };
     let entries = [
         ("model", json!(loaded.name)),
         ("equilibrium", place(&linear.equilibrium)),
         ("coordinates", json!(linear.coordinates)),
         ("coordinate_units", json!(linear.units)),
-        ("inputs", json!(linear.inputs)),
-        ("input_units", json!(drives.iter().map(|drive| drive.unit.clone()).collect::<Vec<_>>())),
+        ("inputs", json!(drives.iter().map(|drive| &drive.name).collect::<Vec<_>>())),
+        ("input_units", json!(drives.iter().map(|drive| &drive.unit).collect::<Vec<_>>())),
         ("M", matrix(&linear.m())),
         ("C", matrix(&linear.c())),
         ("K", matrix(&linear.k())),
@@ -78,14 +85,13 @@ fn of_first_order(
 ) -> Result<Value, Problem> {
     let system = &*loaded.system;
     let found = linearise_states(system, guess, here).map_err(failed)?;
-    let names = &system.description().inputs;
-    let units = names.iter().map(|name| input_unit(loaded, reader, name)).collect::<Result<Vec<_>, _>>()?;
+    let drives = state_space::drives(loaded, options, reader, &Shakeable::of_states(loaded, &found))?;
     let state = state_space::of_states(loaded, options, reader, &found)?;
     let entries = [
         ("model", json!(loaded.name)),
         ("equilibrium", object(found.place.into_iter().map(|(name, value)| (name, number(value))))),
-        ("inputs", json!(names.iter().map(|name| &**name).collect::<Vec<_>>())),
-        ("input_units", json!(units)),
+        ("inputs", json!(drives.iter().map(|drive| &drive.name).collect::<Vec<_>>())),
+        ("input_units", json!(drives.iter().map(|drive| &drive.unit).collect::<Vec<_>>())),
         ("state", of_state(&state, options)),
         warnings,
     ];
@@ -108,7 +114,7 @@ fn of_first_order(
 fn departures(context: Context<'_>, options: &ArgMatches) -> Result<Value, Problem> {
     let departures = instant::departures(context, options)?;
     let mut reader = Reader::default();
-    let names: Vec<String> = departures.loaded.system.description().inputs.iter().map(ToString::to_string).collect();
+    let names = state_space::inputs(&departures.loaded, options);
     let unit = |name: &String| input_unit(&departures.loaded, &mut reader, name);
     let units = names.iter().map(unit).collect::<Result<Vec<_>, _>>()?;
     Ok(object([

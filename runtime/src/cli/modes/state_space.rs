@@ -36,12 +36,10 @@ pub fn of_model(
     reader: &mut Reader,
     model: Model<'_>,
 ) -> Result<InputOutput, Problem> {
-    let mut drives = Vec::new();
     for name in inputs(loaded, options) {
         model.can_move(&name).map_err(failed)?;
-        let (Shaken { drive, label, per }, _) = named(loaded, reader, &Shakeable::of(model.linear()), &name)?;
-        drives.push(NamedDrive { drive, name: label, unit: per });
     }
+    let drives = drives(loaded, options, reader, &Shakeable::of(model.linear()))?;
     let answers = answers(loaded, options)?;
     let answers: Vec<&str> = answers.iter().map(String::as_str).collect();
     let seen = model.observe(loaded, &answers).map_err(failed)?;
@@ -56,11 +54,7 @@ pub fn of_states(
     reader: &mut Reader,
     found: &crate::linear::StateSpace,
 ) -> Result<InputOutput, Problem> {
-    let (mut drives, shakeable) = (Vec::new(), Shakeable::of_states(loaded, found));
-    for name in inputs(loaded, options) {
-        let (Shaken { drive, label, per }, _) = named(loaded, reader, &shakeable, &name)?;
-        drives.push(NamedDrive { drive, name: label, unit: per });
-    }
+    let drives = drives(loaded, options, reader, &Shakeable::of_states(loaded, found))?;
     let answers = answers(loaded, options)?;
     let answers: Vec<&str> = answers.iter().map(String::as_str).collect();
     found.input_output(&*loaded.system, &drives, &answers).map_err(failed)
@@ -87,6 +81,23 @@ pub fn of_instant(
     linearise_instant(&*loaded.system, at, &drives, &answers).map_err(failed)
 }
 
+/// What `--in` names, or all inputs.
+///
+/// # Errors
+/// Names that are unknown.
+pub fn drives(
+    loaded: &Loaded,
+    options: &ArgMatches,
+    reader: &mut Reader,
+    shakeable: &Shakeable,
+) -> Result<Vec<NamedDrive>, Problem> {
+    let drive = |name: &String| {
+        let (Shaken { drive, label, per }, _) = named(loaded, reader, shakeable, name)?;
+        Ok(NamedDrive { drive, name: label, unit: per })
+    };
+    inputs(loaded, options).iter().map(drive).collect()
+}
+
 /// All inputs of a model.
 pub fn all_inputs(loaded: &Loaded, reader: &mut Reader, linear: &Linearised) -> Result<Vec<NamedDrive>, Problem> {
     let one = |(k, name): (usize, &String)| {
@@ -110,7 +121,7 @@ pub fn input_unit(loaded: &Loaded, reader: &mut Reader, name: &str) -> Result<St
 }
 
 /// `--in`, or all inputs.
-fn inputs(loaded: &Loaded, options: &ArgMatches) -> Vec<String> {
+pub fn inputs(loaded: &Loaded, options: &ArgMatches) -> Vec<String> {
     match options.get_one::<String>("in") {
         Some(text) => parts(text).map(|name| name.trim().to_owned()).filter(|name| !name.is_empty()).collect(),
         None => loaded.system.description().inputs.iter().map(ToString::to_string).collect(),

@@ -113,6 +113,12 @@ impl Linearised {
         let states = (0..2).flat_map(|order| units.clone().map(move |(name, unit)| rated(name, unit, order))).collect();
         Ok(InputOutput { states, inputs, outputs: observed.named(), a, b, c, d })
     }
+
+    /// The generalized forces of a drive of size 1, of its rate or of its acceleration.
+    #[cfg(feature = "cli")]
+    pub(crate) fn pushed_by(&self, drive: &Drive, order: usize) -> DVector<f64> {
+        pushed(drive, order, (&self.input.to_dense(), &self.forces.to_dense()))
+    }
 }
 
 /// What drives do, and their rates where these act.
