@@ -407,3 +407,168 @@ fn export_writes_c_that_goes_with_its_header() {
     assert!(text("dalembert_core.c").starts_with("#include \"dalembert_core.h\"\n"));
     fs::remove_dir_all(folder).unwrap();
 }
+
+/// A mass at x + base with a spring on x, `extra` in the place of more forces.
+const SHAKEN: &str = "name: Shaken\nparameters: {m: 2 kg, k: 50 N/m, A: 0.2 m, w: 3 rad/s}\ncoordinates: {x: m}\n\
+                      inputs: {base: \"A*sin(w*t)\"}\nbodies: {b: {mass: m, position: \"[x + base, 0]\"}}\n\
+                      springs: {s: {stretch: x, stiffness: k, along: ground.x, on: b}}\n\
+                      outputs: {v: velocity(b), pos: position(b)}\nscene: {start: {x: 0.1}, until: 1, tolerance: 1e-10}\n";
+
+/// A mass that a damper ties to a point that moves, and a slider that a constraint moves.
+const TIED: &str = "name: Tied\nparameters: {m: 2 kg, c: 4 N*s/m}\ncoordinates: {x: m, y: m}\ninputs: {end: 0 m, drive: 0 m}\n\
+                    bodies: {b: {mass: m, position: \"[x, 0]\"}, s: {mass: m, position: \"[y, 0]\"}}\n\
+                    generalized_forces: {x: \"-c*(x' - end')\"}\nconstraints: {slides: y - drive}\nscene: {until: 1}\n";
+
+/// Ticks of a period that is a parameter.
+const TICKS: &str = "name: Ticks\nparameters: {T: 0.1 s, m: 1 kg}\ncoordinates: {x: m}\nmemory: {n: 0}\n\
+                     bodies: {b: {mass: m, position: \"[x, 0]\"}}\n\
+                     events: {tick: {every: T, then: {set: {n: n + 1}}}}\nscene: {start: {x': 1}, until: 2}\n";
+
+/// What an instance in Co-Simulation does that is set between its steps; prints what is wrong with it.
+const SET: &str = r#"
+import os, sys
+import numpy as np
+from fmpy import extract, read_model_description
+from fmpy.fmi2 import FMU2Model, FMU2Slave
+from fmpy.fmi3 import FMU3Model, FMU3Slave
+
+class Instance:
+    def __init__(self, name, exchange=False, **starts):
+        path = os.path.join(sys.argv[1], name + ".fmu")
+        told, self.said = read_model_description(path), []
+        self.told = {v.name: v for v in told.modelVariables}
+        two = told.fmiVersion == "2.0"
+        kind = ((FMU3Slave, FMU3Model), (FMU2Slave, FMU2Model))[two][exchange]
+        token = told.guid if two else told.instantiationToken
+        self.fmu = kind(unzipDirectory=extract(path), modelIdentifier=told.coSimulation.modelIdentifier, guid=token)
+        self.fmu.instantiate()
+        if two: self.fmu.setupExperiment()
+        self.read, self.write = (self.fmu.getReal, self.fmu.setReal) if two else (self.fmu.getFloat64, self.fmu.setFloat64)
+        self.t = 0.0
+        self.fmu.enterInitializationMode()
+        self.set(**starts)
+        self.fmu.exitInitializationMode()
+    def set(self, **values):
+        for name, value in values.items():
+            self.write([self.told[name.replace("_", "'")].valueReference], [value])
+        return self
+    def happen(self, time=None):
+        if time is not None:
+            self.fmu.setTime(time)
+        self.fmu.newDiscreteStates() if hasattr(self.fmu, "newDiscreteStates") else self.fmu.updateDiscreteStates()
+        return self
+    def __getitem__(self, name):
+        return self.read([self.told[name].valueReference])[0]
+    def step(self, length, now=None):
+        self.fmu.doStep(self.t if now is None else now, length)
+        self.t += length
+        return self
+
+def close(what, is_, right, within=1e-7):
+    if not abs(is_ - right) <= within:
+        print("WRONG", what, is_, right)
+
+def refused(what, do):
+    try:
+        do()
+    except Exception:
+        return
+    print("NOT REFUSED", what)
+
+m, k, A, w = 2.0, 50.0, 0.2, 3.0
+# Stopped at once at t = 0.5, base stays: place and velocity of the mass are continuous.
+def stopped(**rates):
+    shaken = Instance("shaken").step(0.5)
+    before = [shaken[name] for name in ("pos.x", "v.x")]
+    x0, v0, base = shaken["x"], before[1], A*np.sin(w*0.5)
+    shaken.set(base=base, **rates).step(1e-9)
+    for name, value in zip(("pos.x", "v.x"), before): close(f"{name} where base stops", shaken[name], value)
+    shaken.step(0.5 - 1e-9)
+    own = np.sqrt(k/m)
+    close("the end after base stops", shaken["x"], x0*np.cos(own*0.5) + v0/own*np.sin(own*0.5))
+stopped()
+stopped(base_=0.0)
+# Its own law, given step by step, with one rate and with both: the same motion as the file's, the finer the better.
+def followed(steps, second):
+    shaken, h = Instance("shaken"), 1/steps
+    for i in range(steps):
+        s = w*i*h
+        shaken.set(base=A*np.sin(s), base_=A*w*np.cos(s), **({"base__": -A*w*w*np.sin(s)} if second else {})).step(h)
+    return shaken["x"]
+exact = Instance("shaken").step(1)["x"]
+for second, within in ((False, 1e-2), (True, 2e-4)):
+    coarse, fine = (abs(followed(steps, second) - exact) for steps in (50, 100))
+    close(f"rates given, with the second {second}", fine, 0, within)
+    if not fine < 0.7*coarse: print("WRONG order", coarse, fine)
+# What only a rate is given of goes on from where it is.
+shaken = Instance("shaken").step(0.5).set(base_=0.7)
+close("base where its rate alone was set", shaken["base"], A*np.sin(w*0.5), 1e-12)
+close("base a step later", shaken.step(0.1)["base"], A*np.sin(w*0.5) + 0.07, 1e-12)
+# It may not jump, but begin anywhere.
+refused("a jump of base", lambda: Instance("shaken").step(0.5).set(base=0.0).step(0.1))
+refused("base without its rate", lambda: Instance("shaken", base=0.0).step(0.1).set(base=0.01).step(0.1))
+Instance("shaken", base=0.3).step(0.1).set(base=0.3).step(0.1)
+# A damper pulls at once by c times what its end moves, and a constraint takes the slider along.
+tied = Instance("tied", end=0.0, drive=0.0).step(0.5)
+tied.set(end=0.3).step(1e-9)
+close("speed after a pull at the damper", tied["x'"], 4.0*0.3/2.0)
+tied.set(drive_=0.4).step(0.1)
+close("place of what a constraint moves", tied["y"], 0.04)
+close("its speed", tied["y'"], 0.4)
+refused("a jump of a constraint", lambda: tied.set(drive=0.5).step(0.1))
+# In Model Exchange the same at events; between them the file's function stands where a rate alone is set.
+exchange = Instance("shaken", exchange=True).happen()
+speed = exchange["x'"]
+exchange.fmu.enterContinuousTimeMode()
+exchange.fmu.setTime(0.5)
+exchange.set(base_=0.1)
+close("base of the file", exchange["base"], A*np.sin(w*0.5), 1e-12)
+exchange.set(base=0.2, base_=0.1)
+exchange.fmu.enterEventMode()
+exchange.set(base=0.2, base_=0.4).happen()
+close("a turn at an event", exchange["x'"] - speed, -0.3, 1e-12)
+refused("a jump at an event", lambda: exchange.set(base=0.3).happen())
+# Periods are fixed, steps follow each other, and reasons are told.
+if Instance("ticks").told["T"].variability != "fixed" or Instance("ticks").told["m"].variability != "tunable": print("WRONG variability")
+refused("another period", lambda: Instance("ticks").step(0.25).set(T=0.25))
+ticks = Instance("ticks", T=0.25).set(m=3.0).step(1.1)
+close("ticks of the period that was set at the start", ticks["n"], 5, 0)
+refused("a step from elsewhere", lambda: Instance("ticks").step(0.1, now=5.0))
+many = Instance("ticks")
+for i in range(1, 300): many.step(0.001, now=0.001*(i - 1))
+refused("no period", lambda: Instance("ticks", T=0.0))
+refused("a negative mass", lambda: Instance("ticks", m=-1.0))
+refused("a negative mass later", lambda: Instance("ticks").step(0.1).set(m=-1.0).step(0.1))
+print("done")
+"#;
+
+#[test]
+fn what_is_set_between_steps_is_no_silent_force() {
+    let Some(python) = python() else {
+        eprintln!("no Python with FMPy, or no C compiler: FMUs are not run");
+        return;
+    };
+    for version in ["2", "3"] {
+        let folder = folder(&format!("fmu-set-{version}"));
+        for (name, text) in [("shaken", SHAKEN), ("tied", TIED), ("ticks", TICKS)] {
+            let model = folder.join(format!("{name}.yaml"));
+            fs::write(&model, text).unwrap();
+            let fmu = folder.join(format!("{name}.fmu"));
+            run(&["export", model.to_str().unwrap(), "--fmi", version, "--fmu", fmu.to_str().unwrap()]).unwrap();
+        }
+        let text = told(python, SET, &folder);
+        assert!(text.lines().all(|line| !line.starts_with("WRONG") && !line.starts_with("NOT")), "{text}");
+        assert!(text.ends_with("done\n"), "{text}");
+        for part in [
+            "`base` jumps, which would take an infinite force: set its rate `base'` with it",
+            "`drive` jumps",
+            "the step begins at t = 5 s, but it is t = 0 s here",
+            "the period of ticks depends on this parameter",
+            "the period of ticks is 0 s, not positive",
+            "negative inertia: `x`",
+        ] {
+            assert!(text.contains(part), "{part}: {text}");
+        }
+        fs::remove_dir_all(folder).unwrap();
+    }
+}

@@ -113,7 +113,7 @@ fn refuse(program: &Program) -> Result<(), Problem> {
     Ok(())
 }
 
-/// The inputs' rates that anything contains: (input, order).
+/// The inputs' rates that anything contains, and those by which these change: (input, order).
 pub fn used_rates(program: &Program) -> Vec<(usize, usize)> {
     let constraints = &program.constraints;
     let lists: [&[Id]; 7] = [
@@ -128,7 +128,8 @@ pub fn used_rates(program: &Program) -> Vec<(usize, usize)> {
     let symbols = program.model.graph.symbols(lists.concat());
     let inputs = 0..program.model.inputs.len();
     let orders = inputs.flat_map(|input| (1..3).map(move |order| (input, order)));
-    orders.filter(|(input, order)| symbols.contains(&Symbol::Input(*input as u32, *order as u8))).collect()
+    let contains = |input: usize, order: usize| symbols.contains(&Symbol::Input(input as u32, order as u8));
+    orders.filter(|(input, order)| (*order..3).any(|order| contains(*input, order))).collect()
 }
 
 fn build(name: &str, sources: &[String]) -> String {

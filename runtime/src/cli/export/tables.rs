@@ -3,7 +3,8 @@
 use std::fmt::Write;
 
 use dalembert_symbolic::derive::SwitchKind;
-use dalembert_symbolic::lower::{Program, Rate};
+use dalembert_symbolic::expr::Symbol;
+use dalembert_symbolic::lower::{InputJump, Program, Rate};
 use dalembert_symbolic::model::{EventAction, Target, Trigger};
 use dalembert_symbolic::print::{CText, c_float};
 
@@ -41,6 +42,7 @@ pub fn tables(program: &Program, code: &CText, start: &Start) -> String {
         ("ROWS", program.constraints.len()),
         ("START_PHASE", start.phase),
         ("COORDINATES", model.coordinates.len()),
+        ("INPUTS", model.inputs.len()),
         ("SLOPES", usize::from(code.has_slopes)),
     ] {
         let _ = writeln!(out, "#define {size} {value}");
@@ -54,7 +56,6 @@ pub fn tables(program: &Program, code: &CText, start: &Start) -> String {
     );
     for size in [
         "PARAMETERS",
-        "INPUTS",
         "MEMORY",
         "PHASES",
         "OUTPUTS",
@@ -90,7 +91,29 @@ pub fn tables(program: &Program, code: &CText, start: &Start) -> String {
         Target::State(k) => format!("-{}", 1 + model.mechanical() + k),
     });
     out += &array_of("int", "targets", &targets.collect::<Vec<_>>());
+    let fixed = (0..model.parameters.len()).map(|k| u8::from(is_of_ticks(program, k)).to_string());
+    out += &array_of("char", "is_fixed", &fixed.collect::<Vec<_>>());
+    let moves = (0..model.inputs.len()).map(|k| u8::from(moves_bodies(program, k)).to_string());
+    out += &array_of("char", "moves_bodies", &moves.collect::<Vec<_>>());
+    let quoted = |name: &String| format!("\"{name}\"");
+    let names: Vec<String> = model.inputs.iter().map(|input| quoted(&input.name)).collect();
+    out += &array_of("char *const", "input_names", &names);
+    let names: Vec<String> = model.coordinates.iter().map(|coordinate| quoted(&coordinate.name)).collect();
+    out += &array_of("char *const", "coordinate_names", &names);
     out + &events(program)
+}
+
+/// Whether ticks happen at times of this parameter.
+pub fn is_of_ticks(program: &Program, parameter: usize) -> bool {
+    let symbols = program.model.graph.symbols(program.clock_numbers());
+    symbols.contains(&Symbol::Parameter(parameter as u32))
+}
+
+/// Whether a jump of an input would need an infinite force: it moves bodies or constraints, or what it does depends on how it jumps.
+fn moves_bodies(program: &Program, input: usize) -> bool {
+    let constraints = program.model.constraints.iter().filter(|constraint| constraint.holonomic);
+    let places = program.model.graph.symbols(constraints.flat_map(|constraint| constraint.value.iter().copied()));
+    program.jumps[input] == InputJump::Refused || places.contains(&Symbol::Input(input as u32, 0))
 }
 
 /// An array; of one 0 where there is nothing.

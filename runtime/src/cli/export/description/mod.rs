@@ -12,6 +12,7 @@ use dalembert_symbolic::model::Model;
 use dalembert_symbolic::print::{CText, si_unit};
 
 use super::fmu::{Fmi, used_rates};
+use super::tables::is_of_ticks;
 
 /// Where a simulation begins.
 pub struct Start {
@@ -207,8 +208,12 @@ fn variables(program: &Program, at: &References, start: &Start) -> Vec<Variable>
     };
     let model = &program.model;
     let tunable = "causality=\"parameter\" variability=\"tunable\" initial=\"exact\"";
-    let parameters = model.parameters.iter().zip(&start.parameters).zip(at.parameters..);
-    out.extend(parameters.map(|((p, value), k)| variable(k, &p.name, &p.unit, tunable, Some(*value), "")));
+    let fixed = "causality=\"parameter\" variability=\"fixed\" initial=\"exact\"";
+    let parameters = model.parameters.iter().zip(&start.parameters).enumerate();
+    out.extend(parameters.map(|(k, (p, value))| {
+        let kind = if is_of_ticks(program, k) { fixed } else { tunable };
+        variable(at.parameters + k, &p.name, &p.unit, kind, Some(*value), "")
+    }));
     let input = "causality=\"input\" variability=\"continuous\"";
     let orders = (0..model.inputs.len()).map(|k| (k, 0)).chain(used_rates(program));
     out.extend(orders.map(|(k, order)| {

@@ -70,7 +70,7 @@ EXPORT void *fmi2Instantiate(text name, fmi2Type type, text token, text resource
         free(f);
         return NULL;
     }
-    begin(&f->m);
+    begin(&f->m, f->type == fmi2CoSimulation);
     return f;
 }
 
@@ -100,7 +100,7 @@ EXPORT fmi2Status fmi2Terminate(fmu *f) {
 }
 
 EXPORT fmi2Status fmi2Reset(fmu *f) {
-    begin(&f->m);
+    begin(&f->m, f->type == fmi2CoSimulation);
     return fmi2OK;
 }
 
@@ -159,7 +159,7 @@ EXPORT fmi2Status fmi2GetDirectionalDerivative(fmu *f, const reference unknowns[
 }
 
 EXPORT fmi2Status fmi2EnterEventMode(fmu *f) {
-    (void)f;
+    f->m.at_event = 1;
     return fmi2OK;
 }
 
@@ -175,7 +175,7 @@ EXPORT fmi2Status fmi2NewDiscreteStates(fmu *f, event_info *info) {
 }
 
 EXPORT fmi2Status fmi2EnterContinuousTimeMode(fmu *f) {
-    (void)f;
+    f->m.at_event = 0;
     return fmi2OK;
 }
 

@@ -43,7 +43,7 @@ static void *instantiate(const char *token, bool co_simulation, void *environmen
     }
     fmu *f = calloc(1, sizeof *f);
     if (!f) return NULL;
-    begin(&f->m);
+    begin(&f->m, co_simulation);
     f->co_simulation = co_simulation;
     f->environment = environment;
     f->log = log;
@@ -85,7 +85,7 @@ EXPORT fmi3Status fmi3ExitInitializationMode(fmu *f) {
 }
 
 EXPORT fmi3Status fmi3EnterEventMode(fmu *f) {
-    (void)f;
+    f->m.at_event = 1;
     return fmi3OK;
 }
 
@@ -95,7 +95,7 @@ EXPORT fmi3Status fmi3Terminate(fmu *f) {
 }
 
 EXPORT fmi3Status fmi3Reset(fmu *f) {
-    begin(&f->m);
+    begin(&f->m, f->co_simulation);
     return fmi3OK;
 }
 
@@ -227,7 +227,7 @@ EXPORT fmi3Status fmi3UpdateDiscreteStates(fmu *f, bool *again, bool *terminate,
 }
 
 EXPORT fmi3Status fmi3EnterContinuousTimeMode(fmu *f) {
-    (void)f;
+    f->m.at_event = 0;
     return fmi3OK;
 }
 

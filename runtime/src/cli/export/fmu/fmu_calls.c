@@ -1,6 +1,11 @@
 #include "fmu_calls.h"
 
+#include <math.h>
+#include <stdio.h>
 #include <string.h>
+
+/* An importer that adds its steps up comes to another time by this part of it, and of a step. */
+#define APART 1e-9
 
 #define NO_ACCELERATIONS                                                                                               \
     "no accelerations: the inertia of a coordinate vanishes, friction leaves no reaction, a number is not finite, or " \
@@ -25,12 +30,20 @@ static int known(reference k) {
     return k <= PHASE ? (int)k : PHASE + 1;
 }
 
-static const char *told(int good) {
-    return good ? NULL : NO_ACCELERATIONS;
+static const char *told(const instance *m, int good) {
+    return good ? NULL : m->why[0] ? m->why : NO_ACCELERATIONS;
+}
+
+/* Whether all inertias are positive; why not. */
+static int has_inertia(instance *m) {
+    const int negative = negative_inertia(m);
+    if (negative >= 0) snprintf(m->why, sizeof m->why, "negative inertia: `%.40s` would move against the force; a mass or a moment of inertia is negative", coordinate_names[negative]);
+    return negative < 0;
 }
 
 void begin_initialization(instance *m, double start, double tolerance) {
     m->t = start;
+    for (int k = 0; k < INPUTS; k++) m->since[k] = start;
     m->known = 0;
     if (tolerance > 0.0) m->tolerance = tolerance;
     m->initializing = 1;
@@ -39,7 +52,9 @@ void begin_initialization(instance *m, double start, double tolerance) {
 const char *end_initialization(instance *m, int at_once) {
     int changed;
     m->initializing = 0;
-    return told(settle(m) && (!at_once || happen(m, &changed)));
+    m->running = 1;
+    m->why[0] = 0;
+    return told(m, has_inertia(m) && settle(m) && (!at_once || happen(m, &changed)));
 }
 
 static double *state(instance *m, int k) {
@@ -53,13 +68,14 @@ static double derivative(const instance *m, int k) {
 const char *get_values(instance *m, const reference *which, size_t count, double *values) {
     double y[ROOM(OUTPUTS)], z[ROOM(INDICATORS)];
     int has_y = 0, has_z = 0;
+    m->why[0] = 0;
     if (m->initializing && !m->known) settle(m);
     for (size_t i = 0; i < count; i++) {
         const int k = known(which[i]);
         if (k == TIME) values[i] = m->t;
         else if (k < FIRST_DERIVATIVE) values[i] = *state(m, k - FIRST_STATE);
         else if (k < FIRST_PARAMETER) {
-            if (!evaluate(m)) return NO_ACCELERATIONS;
+            if (!evaluate(m)) return told(m, 0);
             values[i] = derivative(m, k - FIRST_DERIVATIVE);
         } else if (k < FIRST_INPUT) values[i] = *MODEL(parameter)(&m->p, k - FIRST_PARAMETER);
         else if (k < FIRST_MEMORY) {
@@ -67,11 +83,11 @@ const char *get_values(instance *m, const reference *which, size_t count, double
             values[i] = m->u[k - FIRST_INPUT];
         } else if (k < FIRST_OUTPUT) values[i] = MODEL(memory)(m->c)[k - FIRST_MEMORY];
         else if (k < FIRST_INDICATOR) {
-            if (!has_y && !outputs(m, y)) return NO_ACCELERATIONS;
+            if (!has_y && !outputs(m, y)) return told(m, 0);
             has_y = 1;
             values[i] = y[k - FIRST_OUTPUT];
         } else if (k < PHASE) {
-            if (!has_z && !indicators(m, z)) return NO_ACCELERATIONS;
+            if (!has_z && !indicators(m, z)) return told(m, 0);
             has_z = 1;
             values[i] = z[k - FIRST_INDICATOR];
         } else return "there is no such variable";
@@ -84,12 +100,12 @@ const char *set_values(instance *m, const reference *which, size_t count, const 
         const int k = known(which[i]);
         if (k >= FIRST_STATE && k < FIRST_DERIVATIVE) *state(m, k - FIRST_STATE) = values[i];
         else if (k >= FIRST_PARAMETER && k < FIRST_INPUT) {
+            if (m->running && is_fixed[k - FIRST_PARAMETER]) return "the period of ticks depends on this parameter, which is fixed when the initialization ends";
             *MODEL(parameter)(&m->p, k - FIRST_PARAMETER) = values[i];
             take_parameters(m);
-        } else if (k >= FIRST_INPUT && k < FIRST_MEMORY) {
-            m->given[k - FIRST_INPUT] = values[i];
-            m->is_given[k - FIRST_INPUT] = 1;
-        } else if (k >= FIRST_MEMORY && k < FIRST_OUTPUT) MODEL(memory)(m->c)[k - FIRST_MEMORY] = values[i];
+            m->tuned = 1;
+        } else if (k >= FIRST_INPUT && k < FIRST_MEMORY) set_input(m, k - FIRST_INPUT, values[i]);
+        else if (k >= FIRST_MEMORY && k < FIRST_OUTPUT) MODEL(memory)(m->c)[k - FIRST_MEMORY] = values[i];
         else return "this variable cannot be set";
     }
     m->known = 0;
@@ -149,9 +165,14 @@ static const char *direction(const instance *m, const reference *knowns, size_t 
         along[place] += seeds[i];
     }
     MODEL(input_slopes)(m->c, m->t, along, du);
-    for (int k = 0; k < INPUTS; k++)
-        if (!is_given[3 * k] && !is_given[3 * k + 1] && !is_given[3 * k + 2])
-            memcpy(along + OF_INPUTS + 3 * k, du + 3 * k, 3 * sizeof(double));
+    for (int k = 0; k < INPUTS; k++) {
+        double *of_input = along + OF_INPUTS + 3 * k;
+        if (!is_given[3 * k] && !is_given[3 * k + 1] && !is_given[3 * k + 2]) memcpy(of_input, du + 3 * k, 3 * sizeof(double));
+        else if (m->goes_on) {
+            of_input[0] += along[TIME] * m->u[3 * k + 1];
+            of_input[1] += along[TIME] * m->u[3 * k + 2];
+        } else if (!is_given[3 * k]) of_input[0] = du[3 * k];
+    }
     return NULL;
 }
 
@@ -199,26 +220,44 @@ const char *get_derivatives(instance *m, double *derivatives, size_t count) {
 }
 
 const char *get_indicators(instance *m, double *z) {
-    return told(indicators(m, z));
+    m->why[0] = 0;
+    return told(m, indicators(m, z));
 }
 
 int has_left(instance *m) {
     return ROWS && drift(m) > DRIFT;
 }
 
+/* What was set does at once what it does. */
+static int take(instance *m, int *changed) {
+    const int tuned = m->tuned;
+    m->tuned = 0;
+    *changed = 0;
+    return (!tuned || has_inertia(m)) && take_inputs(m, changed);
+}
+
 const char *update(instance *m, int *changed) {
+    int moved;
+    m->why[0] = 0;
+    if (!take(m, &moved)) return told(m, 0);
     const int left = has_left(m);
     if (left && !project(m)) return NO_ACCELERATIONS;
     if (!happen(m, changed)) return NO_ACCELERATIONS;
-    *changed = *changed || left;
+    *changed = *changed || left || moved;
     return NULL;
 }
 
 const char *do_step(instance *m, double now, double length) {
     int changed, good = 1;
+    m->why[0] = 0;
     if (!(length > 0.0)) return "the length of a step is not positive";
+    if (m->stopped) return NULL;
+    if (!(fabs(now - m->t) <= APART * fmax(fabs(m->t), length))) {
+        snprintf(m->why, sizeof m->why, "the step begins at t = %.10g s, but it is t = %.10g s here", now, m->t);
+        return m->why;
+    }
     m->t = now;
-    if (m->was_set && !m->stopped) good = happen(m, &changed);
+    if (m->was_set) good = take(m, &changed) && happen(m, &changed);
     m->was_set = 0;
-    return told(good && (m->stopped || integrate(m, now + length)));
+    return told(m, good && (m->stopped || integrate(m, now + length)));
 }

@@ -2,6 +2,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "dalembert_core.h"
@@ -22,6 +23,8 @@
 #define MISSED 1e-3
 /* Newton's steps onto constraints. */
 #define STEPS 20
+/* A change this small against the values is rounding. */
+#define ROUNDING 1e-11
 
 void take_parameters(instance *m) {
     double modes[ROOM(MODES)], memory[ROOM(MEMORY)];
@@ -35,8 +38,10 @@ void take_parameters(instance *m) {
     m->known = 0;
 }
 
-void begin(instance *m) {
+void begin(instance *m, int co_simulation) {
     memset(m, 0, sizeof *m);
+    m->goes_on = co_simulation;
+    m->at_event = 1;
     for (int k = 0; k < PARAMETERS; k++) *MODEL(parameter)(&m->p, k) = start_parameters[k];
     MODEL(constants)(&m->p, m->c);
     memcpy(m->q, start_q, COORDINATES * sizeof(double));
@@ -46,12 +51,54 @@ void begin(instance *m) {
     m->tolerance = TOLERANCE;
 }
 
+/* What an input that was set has come to a time later. */
+static void gone_on(const double *given, double time, double *u) {
+    u[0] = given[0] + time * (given[1] + 0.5 * time * given[2]);
+    u[1] = given[1] + time * given[2];
+    u[2] = given[2];
+}
+
+static int is_set(const instance *m, int input) {
+    return m->is_given[3 * input] || m->is_given[3 * input + 1] || m->is_given[3 * input + 2];
+}
+
+/* The inputs of the present time. */
+static void signals(const instance *m, double *u) {
+    MODEL(inputs)(m->c, m->t, u);
+    for (int k = 0; k < INPUTS; k++) {
+        const double function = u[3 * k];
+        if (!is_set(m, k)) continue;
+        gone_on(m->given + 3 * k, m->goes_on ? m->t - m->since[k] : 0.0, u + 3 * k);
+        if (!m->is_given[3 * k]) u[3 * k] = function;
+    }
+}
+
+void set_input(instance *m, int signal, double value) {
+    const int k = signal / 3, first = !is_set(m, k);
+    double u[ROOM(SIGNALS)], *given = m->given + 3 * k;
+    signals(m, u);
+    if (m->running && (m->goes_on || m->at_event) && !m->is_new[k]) {
+        m->is_new[k] = 1;
+        m->waited[k] = first ? 0.0 : m->t - m->since[k];
+        if (first) memcpy(m->before + 3 * k, u + 3 * k, 3 * sizeof(double));
+        else gone_on(given, m->waited[k], m->before + 3 * k);
+        if (!m->is_given[3 * k]) m->before[3 * k] = u[3 * k];
+    }
+    if (m->goes_on) {
+        /* It goes on from where it is, whatever of it is set. */
+        if (first) given[0] = u[3 * k];
+        else memcpy(given, u + 3 * k, 3 * sizeof(double));
+        m->is_given[3 * k] = 1;
+    }
+    m->since[k] = m->t;
+    given[signal % 3] = value;
+    m->is_given[signal] = 1;
+    m->known = 0;
+}
+
 int evaluate(instance *m) {
     if (m->known) return !m->failed;
-    MODEL(inputs)(m->c, m->t, m->u);
-    for (int k = 0; k < INPUTS; k++)
-        if (m->is_given[3 * k] || m->is_given[3 * k + 1] || m->is_given[3 * k + 2])
-            memcpy(m->u + 3 * k, m->given + 3 * k, 3 * sizeof(double));
+    signals(m, m->u);
     m->failed = MODEL(accelerations)(m->c, m->t, m->u, m->q, m->v, m->a, m->l) != 0;
     for (int i = 0; i < COORDINATES; i++) m->failed = m->failed || !(fabs(m->a[i]) <= DBL_MAX);
     m->known = 1;
@@ -183,6 +230,26 @@ static int change(instance *m, int count, const int *which, const double *miss, 
 #endif
 }
 
+int negative_inertia(instance *m) {
+    double mass[ROOM(COORDINATES * COORDINATES)];
+    signals(m, m->u);
+    MODEL(mass_matrix)(m->c, m->t, m->u, m->q, m->v, mass);
+    for (int i = 0; i < MECHANICAL; i++) {
+        const double size = fabs(mass[i * COORDINATES + i]);
+        double pivot = mass[i * COORDINATES + i];
+        for (int j = 0; j < i; j++) {
+            const double other = mass[j * COORDINATES + j];
+            for (int k = 0; k < j; k++) mass[i * COORDINATES + j] -= mass[i * COORDINATES + k] * mass[j * COORDINATES + k] * mass[k * COORDINATES + k];
+            mass[i * COORDINATES + j] = other > 0.0 ? mass[i * COORDINATES + j] / other : 0.0;
+            pivot -= mass[i * COORDINATES + j] * mass[i * COORDINATES + j] * other;
+        }
+        mass[i * COORDINATES + i] = pivot;
+        if (pivot < -ROUNDING * size) return i;
+        if (pivot <= ROUNDING * size) mass[i * COORDINATES + i] = 0.0;
+    }
+    return -1;
+}
+
 /* The rows of the phase; with `holonomic` those without speeds. */
 static int active_rows(const instance *m, int holonomic, int *which) {
     int all[ROOM(ROWS)], rank, count = 0;
@@ -243,6 +310,81 @@ int project(instance *m) {
     return jump(m, count, which, miss);
 }
 
+#if INPUTS > 0
+/* Changes speeds at once by forces for no time, and such that the rows of the phase go on: M d + push = J^T mu. */
+static int push(instance *m, const double *pushed) {
+    double mass[COORDINATES * COORDINATES], d[COORDINATES];
+    MODEL(mass_matrix)(m->c, m->t, m->u, m->q, m->v, mass);
+#if ROWS > 0
+    double c[3 * ROWS], matrix[ROWS * COORDINATES], rows[ROWS * COORDINATES], miss[ROWS], mu[ROWS];
+    double doubles[DALEMBERT_DOUBLES(COORDINATES, ROWS)];
+    int which[ROWS], ints[DALEMBERT_INTS(COORDINATES, ROWS)];
+    const int count = active_rows(m, 0, which);
+    triples(m, c);
+    MODEL(constraint_matrix)(m->c, m->t, m->u, m->q, matrix);
+    for (int k = 0; k < count; k++) {
+        miss[k] = c[3 * which[k] + 1];
+        memcpy(rows + k * COORDINATES, matrix + which[k] * COORDINATES, COORDINATES * sizeof(double));
+    }
+    if (count > 0 ? dalembert_constrained(COORDINATES, count, 0, mass, pushed, rows, miss, NULL, d, mu, doubles, ints) : dalembert_solve(COORDINATES, mass, pushed, d)) return 0;
+#else
+    if (dalembert_solve(COORDINATES, mass, pushed, d)) return 0;
+#endif
+    for (int i = 0; i < COORDINATES; i++) m->v[i] += d[i];
+    m->known = 0;
+    return 1;
+}
+
+/* By how much u and u' of an input jump; 0 where u moves a body or a constraint and does so by no rates of it. */
+static int jumps(const instance *m, int k, const double *now, double *jump) {
+    const double *old = m->before + 3 * k, h = m->waited[k];
+    const double size = fmax(fabs(old[0]), fabs(now[0])), rate = fmax(fabs(old[1]), fabs(now[1]));
+    const double lag = 64.0 * DBL_EPSILON * fabs(m->t), sure = ROUNDING * size + lag * rate;
+    jump[0] = now[0] - old[0];
+    jump[1] = now[1] - old[1];
+    if (fabs(jump[1]) <= ROUNDING * rate + lag * fmax(fabs(old[2]), fabs(now[2]))) jump[1] = 0.0;
+    if (fabs(jump[0]) <= sure) jump[0] = 0.0;
+    if (jump[0] == 0.0 || !moves_bodies[k]) return 1;
+    /* Between two times of setting it moves by the mean of its rates, but for what these are uncertain by. */
+    const double first = old[1] - h * old[2], moved = now[0] - (old[0] - h * (first + 0.5 * h * old[2]));
+    const double fastest = fmax(fmax(fabs(first), fabs(now[1])), h * fmax(fabs(old[2]), fabs(now[2])));
+    return fabs(moved - 0.5 * h * (first + now[1])) <= h * fastest + sure;
+}
+
+int take_inputs(instance *m, int *changed) {
+    double slopes[COORDINATES * SIGNALS], pushed[COORDINATES], nothing[COORDINATES + ROOM(ROWS)], jump[2];
+    int any = 0, pushes = 0;
+    *changed = 0;
+    for (int k = 0; k < INPUTS; k++) any = any || m->is_new[k];
+    if (!any) return 1;
+    signals(m, m->u);
+    for (int i = 0; i < COORDINATES + ROOM(ROWS); i++) nothing[i] = 0.0;
+    for (int i = 0; i < COORDINATES; i++) pushed[i] = 0.0;
+    MODEL(input_jacobian)(m->c, m->t, m->u, m->q, m->v, nothing, nothing + COORDINATES, slopes);
+    for (int k = 0; k < INPUTS; k++) {
+        if (!m->is_new[k]) continue;
+        m->is_new[k] = 0;
+        if (!jumps(m, k, m->u + 3 * k, jump)) {
+            snprintf(m->why, sizeof m->why, "`%.40s` jumps, which would take an infinite force: set its rate `%.40s'` with it, by which it goes on, or set it before the initialization ends", input_names[k], input_names[k]);
+            return 0;
+        }
+        pushes = pushes || jump[0] != 0.0 || jump[1] != 0.0;
+        for (int i = 0; i < COORDINATES; i++)
+            pushed[i] += slopes[i * SIGNALS + 3 * k + 1] * jump[0] + slopes[i * SIGNALS + 3 * k + 2] * jump[1];
+    }
+    if (!pushes) return 1;
+    for (int i = 0; i < COORDINATES; i++) *changed = *changed || pushed[i] != 0.0;
+    *changed = *changed || is_constrained(m);
+    return !*changed || (push(m, pushed) && project(m));
+}
+#else
+int take_inputs(instance *m, int *changed) {
+    (void)m;
+    *changed = 0;
+    return 1;
+}
+#endif
+
 /* Sides of events begin anew. */
 static int look_anew(instance *m) {
     double side[ROOM(INDICATORS)], z[ROOM(INDICATORS)], conditions[ROOM(EVENTS)];
@@ -258,6 +400,10 @@ int settle(instance *m) {
     for (int k = 0; k < CLOCKS; k++) {
         m->first[k] = clocks[2 * k];
         m->period[k] = clocks[2 * k + 1];
+        if (!(m->period[k] > 0.0)) {
+            snprintf(m->why, sizeof m->why, "the period of ticks is %g s, not positive", m->period[k]);
+            return 0;
+        }
         m->ticks[k] = fmax(0.0, ceil((m->t - m->first[k]) / m->period[k] - 1e-9));
     }
     m->starting = 1;
