@@ -495,3 +495,38 @@ fn optimised_c_has_no_warning() {
     }
     fs::remove_dir_all(folder).unwrap();
 }
+
+/// Every macro that the headers and the compiler define, whatever the dialect of C, may be the name of a parameter and of an output.
+#[test]
+fn no_macro_stands_for_a_name() {
+    let Some(compiler) = compiler() else {
+        eprintln!("no C compiler here: C is not compiled");
+        return;
+    };
+    let folder = std::env::temp_dir().join(format!("dalembert-c-macros-{}", std::process::id()));
+    fs::create_dir_all(&folder).unwrap();
+    let (headers, source, object) = (folder.join("headers.c"), folder.join("macros.c"), folder.join("macros.o"));
+    let path = |path: &Path| path.to_str().unwrap().to_owned();
+    fs::write(&headers, "#include <float.h>\n#include <math.h>\n#include <stddef.h>\n#include <string.h>\n").unwrap();
+    let listed = Command::new(compiler).args(["-D_GNU_SOURCE", "-dM", "-E", &path(&headers)]).output().unwrap();
+    let listed = String::from_utf8(listed.stdout).unwrap();
+    let names = listed.lines().filter_map(|line| line.split_whitespace().nth(1));
+    let names: Vec<&str> = names.filter(|name| !name.starts_with('_') && !name.contains('(')).collect();
+    assert!(names.contains(&"M_PI") && names.len() > 50, "{names:?}");
+    let parameters: String = names.iter().map(|name| format!(", {name}: 1 N")).collect();
+    let text = format!(
+        "name: Macros\nparameters: {{m_: 1 kg{parameters}}}\ncoordinates: {{x: m}}\nbodies: {{b: {{mass: m_, position: \"[x, 0]\"}}}}\n\
+         forces: {{f: {{on: b, force: \"[{}, 0]\"}}}}\nscene: {{until: 1}}\n",
+        names.join(" + ")
+    );
+    let program = compile_in(None, &text, &[]).unwrap_or_else(|problems| panic!("{problems:?}"));
+    fs::write(&source, print::c(&program, "macros").whole()).unwrap();
+    for dialect in ["-std=c99", "-std=gnu99", "-D_GNU_SOURCE", "-O0"] {
+        let compiled = Command::new(compiler)
+            .args([dialect, "-Wall", "-Wextra", "-Werror", "-c", &path(&source), "-o", &path(&object)])
+            .output()
+            .unwrap();
+        assert!(compiled.status.success(), "{dialect}: {}", String::from_utf8_lossy(&compiled.stderr));
+    }
+    fs::remove_dir_all(folder).unwrap();
+}

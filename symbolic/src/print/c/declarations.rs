@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::Printing;
-use super::dialect::{TAKEN, comment, float, identifier, string};
+use super::dialect::{comment, float, identifier, string, taken};
 use super::function::{documented, unread};
 use crate::derive::SwitchKind;
 use crate::lower::direction_size;
@@ -119,7 +119,7 @@ impl Printing<'_> {
 
     /// Identifiers of the parameters in their struct.
     fn fields(&self) -> Vec<String> {
-        let mut scope = Scope::with(TAKEN.iter().map(|name| (*name).to_owned()));
+        let mut scope = Scope::with(taken());
         let field = |name: &str| {
             let plain = field_name(name).trim_start_matches("r#").to_owned();
             // What begins with an underscore is the compiler's.

@@ -5,7 +5,7 @@ use crate::model::local_name;
 use crate::print::dialect::{Dialect, Piece};
 
 /// Keywords, macros and functions that no name of generated code may be, beside what Rust forbids.
-pub(super) const TAKEN: &[&str] = &[
+const TAKEN: &[&str] = &[
     // Keywords of C and C++.
     "auto",
     "break",
@@ -95,6 +95,22 @@ pub(super) const TAKEN: &[&str] = &[
     "stdin",
     "stdout",
     "stderr",
+    "MAXFLOAT",
+    "DECIMAL_DIG",
+    "FLT_EVAL_METHOD",
+    "FLT_RADIX",
+    "FLT_ROUNDS",
+    "MATH_ERRNO",
+    "MATH_ERREXCEPT",
+    "math_errhandling",
+    "DOMAIN",
+    "SING",
+    "OVERFLOW",
+    "UNDERFLOW",
+    "PLOSS",
+    "TLOSS",
+    "X_TLOSS",
+    "HUGE",
     "near",
     "far",
     "min",
@@ -132,6 +148,29 @@ pub(super) const TAKEN: &[&str] = &[
     "dalembert_max",
     "dalembert_table",
 ];
+
+/// Macros of `math.h` and `float.h` that come in families: beginnings, middles and ends, which may be empty. Many are there without `-std=c99` only.
+const FAMILIES: [[&str; 3]; 5] = [
+    ["M_", "E LOG2E LOG10E LN2 LN10 PI PI_2 PI_4 1_PI 2_PI 2_SQRTPI SQRT2 SQRT1_2", " f l f16 f32 f64 f128 f32x f64x"],
+    [
+        "FLT_ DBL_ LDBL_",
+        "DECIMAL_DIG DIG EPSILON HAS_SUBNORM MANT_DIG MAX MAX_10_EXP MAX_EXP MIN MIN_10_EXP MIN_EXP TRUE_MIN NORM_MAX",
+        "",
+    ],
+    ["FP_", "ILOGB0 ILOGBNAN LLOGB0 LLOGBNAN INFINITE NAN NORMAL SUBNORMAL ZERO FAST_FMA FAST_FMAF FAST_FMAL", ""],
+    ["FP_INT_", "DOWNWARD TONEAREST TONEARESTFROMZERO TOWARDZERO UPWARD", ""],
+    ["HUGE_VAL SNAN", "", " F L _F32 _F64 _F128 _F32X _F64X F32 F64 F128 F32X F64X"],
+];
+
+/// All of [`TAKEN`] and of [`FAMILIES`].
+pub(super) fn taken() -> impl Iterator<Item = String> {
+    let families = FAMILIES.into_iter().flat_map(|[beginnings, middles, ends]| {
+        let pairs =
+            beginnings.split(' ').flat_map(move |beginning| middles.split(' ').map(move |middle| (beginning, middle)));
+        pairs.flat_map(move |(beginning, middle)| ends.split(' ').map(move |end| format!("{beginning}{middle}{end}")))
+    });
+    TAKEN.iter().map(|name| (*name).to_owned()).chain(families)
+}
 
 /// C99; `prefix` is what the names of all functions begin with.
 pub(super) struct C<'a> {

@@ -66,7 +66,7 @@ pub fn c(program: &Program, name: &str) -> CText {
     let (tables, tables_2d) = (program.tables(), program.tables_2d());
     let own = (0..tables.len()).map(|place| format!("{prefix}_table_{place}"));
     let own = own.chain(tables_2d::names(&prefix, tables_2d.len())).chain(normal::names(&prefix));
-    let taken = KEYWORDS.iter().chain(super::OWN).chain(dialect::TAKEN).map(|name| (*name).to_owned());
+    let taken = KEYWORDS.iter().chain(super::OWN).map(|name| (*name).to_owned()).chain(dialect::taken());
     let mut names = Names::of(&program.model, Scope::with(taken.chain(own)));
     let constants = hoist(program);
     name_constants(&mut names, program, &constants);
