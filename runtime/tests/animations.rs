@@ -106,3 +106,20 @@ fn a_mode_that_moves_says_how_fast() {
     let text = told("modes", "three_masses", &["--animate", &folder.file("page.html")]).unwrap();
     assert!(!text.contains("frames"), "{text}");
 }
+
+/// Why a file cannot be written is told as the operating system tells it.
+#[test]
+fn an_error_of_a_file_has_its_source() {
+    use std::error::Error as _;
+    let text = "{name: Falls, parameters: {m: 1 kg}, coordinates: {x: m}, bodies: {b: {mass: m, position: '[x, 0]'}}, scene: {until: 1}}";
+    let program = dalembert_symbolic::lower::compile_in(None, text, &[]).unwrap();
+    let mut system = dalembert::mechanism::Interpreted::new(program, text);
+    let settings = dalembert::Settings::of_scene(&system, 0);
+    let run = dalembert::simulate(&mut system, &settings).unwrap();
+    let folder = Folder::new("source");
+    let error = run.animation().write(folder.file("none/page.html")).unwrap_err();
+    let source = error.source().and_then(|source| source.downcast_ref::<std::io::Error>()).unwrap();
+    assert_eq!(source.kind(), std::io::ErrorKind::NotFound);
+    let unknown = run.history(&["nope"]).unwrap_err();
+    assert!(unknown.source().is_none(), "{unknown}");
+}

@@ -364,7 +364,14 @@ impl fmt::Display for Listed<'_> {
     }
 }
 
-impl std::error::Error for Error {}
+impl std::error::Error for Error {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Error::File { problem, .. } => Some(&**problem),
+            _ => None,
+        }
+    }
+}
 
 impl From<NoSlopes> for Error {
     fn from(why: NoSlopes) -> Self {
