@@ -39,5 +39,4 @@ def test_a_table_is_that_of_the_time_of_loading(folders, monkeypatch, gone):
     assert len(car.sweep({"k": "100 N/m..200 N/m:3"}).failed) == 0
     assert car.check().data["name"] == "car"
     assert car.modes().omega[0] == pytest.approx(10, rel=0.01)
-    if not gone:
-        assert car.needs(all=True).data
+    assert car.needs(all=True).data

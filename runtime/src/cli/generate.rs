@@ -21,7 +21,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     }
     let name = text("name").map(type_name).transpose()?;
     let model = ModelFile::named(context, asked, sizes(options)?)?;
-    let program = derived(&model.path, &model.source, &model.sizes).map_err(|problems| model.problem(&problems))?;
+    let program = derived(&model).map_err(|problems| model.problem(&problems))?;
     eprint!("{}", file::render(&model.path, &model.source, &program.model.warnings));
     let program = if text("methods").is_some() { program.with_series() } else { program };
     let command = command(options, asked, path);

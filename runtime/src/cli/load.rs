@@ -7,8 +7,8 @@ use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use clap::ArgMatches;
-use dalembert_symbolic::lower::{Program, compile_for_runs_in, compile_in};
-use dalembert_symbolic::model::{Model, load_in};
+use dalembert_symbolic::lower::{Program, compile_for_runs_from, compile_from};
+use dalembert_symbolic::model::{Files, Model, load_from};
 use dalembert_symbolic::print::fnv1a;
 use dalembert_symbolic::{diagnose, file};
 
@@ -17,6 +17,7 @@ use super::{Context, Entry, Problem};
 use crate::mechanism::{Interpreted, System};
 
 /// A model file, whatever is wrong with it.
+#[derive(Clone)]
 pub struct ModelFile {
     /// The name it goes by: its file's.
     pub name: String,
@@ -26,6 +27,8 @@ pub struct ModelFile {
     pub source: String,
     /// Sizes other than the file's.
     pub sizes: Vec<(String, i64)>,
+    /// The files that it names.
+    pub files: Files,
 }
 
 impl ModelFile {
@@ -33,21 +36,22 @@ impl ModelFile {
     pub fn named(context: Context<'_>, name: &str, sizes: Vec<(String, i64)>) -> Result<ModelFile, Problem> {
         if let Some(kept) = context.kept(name) {
             let sizes = if sizes.is_empty() { kept.sizes.clone() } else { sizes };
-            return Ok(ModelFile {
-                name: kept.name.clone(),
-                path: kept.path.clone(),
-                source: kept.source.clone(),
-                sizes,
-            });
+            return Ok(ModelFile { sizes, ..kept.file() });
         }
         let models = context.models;
         if let Some(entry) = models.iter().find(|entry| entry.name == name) {
             let now = || std::fs::read_to_string(entry.path).ok();
             let source = if entry.compiled.is_some() { None } else { now() };
             let (path, source) = (entry.path.to_owned(), source.unwrap_or_else(|| entry.source.to_owned()));
-            return Ok(ModelFile { name: name.to_owned(), path, source, sizes });
+            return Ok(ModelFile::of(name.to_owned(), path, source, sizes));
         }
         ModelFile::read(models, name, sizes)
+    }
+
+    /// A text at a path, beside which the files are that it names.
+    pub fn of(name: String, path: String, source: String, sizes: Vec<(String, i64)>) -> ModelFile {
+        let files = Files::of_folder(folder(&path).as_deref());
+        ModelFile { name, path, source, sizes, files }
     }
 
     /// What is wrong with it, to print.
@@ -63,14 +67,14 @@ impl ModelFile {
         let kept = context.kept(&self.name).filter(|kept| kept.source == self.source && kept.sizes == self.sizes);
         match kept.and_then(Loaded::for_runs) {
             Some(program) => Ok(program),
-            None => derived_for_runs(&self.path, &self.source, &self.sizes),
+            None => derived_for_runs(self),
         }
     }
 
     fn read(models: &[Entry], name: &str, sizes: Vec<(String, i64)>) -> Result<ModelFile, Problem> {
         if name == "-" {
             let (name, path, source) = ("stdin".to_owned(), "-".to_owned(), standard_input()?);
-            return Ok(ModelFile { name, path, source, sizes });
+            return Ok(ModelFile::of(name, path, source, sizes));
         }
         if !Path::new(name).is_file() {
             let hint = diagnose::did_you_mean(name, models.iter().map(|entry| entry.name));
@@ -79,7 +83,7 @@ impl ModelFile {
         }
         let source = std::fs::read_to_string(name).map_err(|e| Problem::File(format!("cannot read {name}: {e}")))?;
         let stem = Path::new(name).file_stem().map_or(name.to_owned(), |s| s.to_string_lossy().into_owned());
-        Ok(ModelFile { name: stem, path: name.to_owned(), source, sizes })
+        Ok(ModelFile::of(stem, name.to_owned(), source, sizes))
     }
 }
 
@@ -117,16 +121,10 @@ pub struct Loaded {
     pub warnings: Vec<String>,
     /// What is interpreted.
     derived: Option<Arc<Program>>,
-    /// Where its tables' files were when it was loaded, wherever the process works later.
-    folder: Option<PathBuf>,
-    /// What would else be read from files again, where it outlives a command.
-    written: Option<Arc<Written>>,
-}
-
-/// A model with its names, and the files of its tables with their texts.
-struct Written {
-    model: Model,
-    tables: Vec<(PathBuf, String)>,
+    /// The files that it names: where they were when it was loaded, wherever the process works later, and their texts, if it keeps them.
+    pub files: Files,
+    /// The model with its names, where it outlives a command.
+    written: Option<Arc<Model>>,
 }
 
 impl Loaded {
@@ -159,11 +157,11 @@ impl Loaded {
         }
         let (name, path, source) = (entry.name.to_owned(), entry.path.to_owned(), entry.source.to_owned());
         if !sizes.is_empty() {
-            let file = ModelFile { name, path, source, sizes };
+            let file = ModelFile::of(name, path, source, sizes);
             return Loaded::interpreted(&file).map_err(|problems| file.problem(&problems));
         }
-        let folder = folder(&path);
-        Ok(Loaded { name, path, source, sizes, system: system(), warnings, derived: None, folder, written: None })
+        let ModelFile { name, path, source, sizes, files } = ModelFile::of(name, path, source, sizes);
+        Ok(Loaded { name, path, source, sizes, system: system(), warnings, derived: None, files, written: None })
     }
 
     /// Derives a model file.
@@ -171,12 +169,11 @@ impl Loaded {
     /// # Errors
     /// What is wrong with it.
     pub fn interpreted(file: &ModelFile) -> Result<Loaded, Vec<diagnose::Problem>> {
-        let ModelFile { name, path, source, sizes } = file;
-        let program = derived_for_runs(path, source, sizes)?;
-        let (name, path, source, sizes) = (name.clone(), path.clone(), source.clone(), sizes.clone());
-        let (system, folder) = (Box::new(Interpreted::new(program.clone(), &source)), folder(&path));
+        let program = derived_for_runs(file)?;
+        let ModelFile { name, path, source, sizes, files } = file.clone();
+        let system = Box::new(Interpreted::new(program.clone(), &source));
         let (derived, warnings) = (Some(Arc::new(program)), Vec::new());
-        Ok(Loaded { name, path, source, sizes, system, warnings, derived, folder, written: None })
+        Ok(Loaded { name, path, source, sizes, system, warnings, derived, files, written: None })
     }
 
     /// Keeps what would else be read from files again.
@@ -186,8 +183,8 @@ impl Loaded {
     pub fn keep(&mut self) -> Result<(), Problem> {
         if self.derived.as_ref().is_some_and(|program| !program.model.files.is_empty()) {
             let model = self.model()?;
-            let tables = self.tables(&model)?;
-            self.written = Some(Arc::new(Written { model, tables }));
+            self.files.kept = self.tables(&model)?.into();
+            self.written = Some(Arc::new(model));
         }
         Ok(())
     }
@@ -197,13 +194,12 @@ impl Loaded {
     /// # Errors
     /// One cannot be read any more.
     pub fn tables(&self, model: &Model) -> Result<Vec<(PathBuf, String)>, Problem> {
-        if let Some(written) = &self.written {
-            return Ok(written.tables.clone());
+        if self.written.is_some() {
+            return Ok(self.files.kept.to_vec());
         }
         let read = |path: &PathBuf| {
-            let text = std::fs::read_to_string(path);
+            let text = self.files.text(path).map_err(|e| Problem::File(format!("cannot read {}: {e}", path.display())));
             text.map(|text| (path.clone(), text))
-                .map_err(|e| Problem::File(format!("cannot read {}: {e}", path.display())))
         };
         model.files.iter().map(read).collect()
     }
@@ -231,8 +227,19 @@ impl Loaded {
             system: self.system.boxed_clone(),
             warnings: self.warnings.clone(),
             derived: self.derived.clone(),
-            folder: self.folder.clone(),
+            files: self.files.clone(),
             written: self.written.clone(),
+        }
+    }
+
+    /// The file that it was made of.
+    pub fn file(&self) -> ModelFile {
+        ModelFile {
+            name: self.name.clone(),
+            path: self.path.clone(),
+            source: self.source.clone(),
+            sizes: self.sizes.clone(),
+            files: self.files.clone(),
         }
     }
 
@@ -240,7 +247,7 @@ impl Loaded {
     pub fn program(&self) -> Result<Program, Problem> {
         match &self.derived {
             Some(program) => Program::clone(program).with_matrices(),
-            None => derived(&self.path, &self.source, &self.sizes),
+            None => derived(&self.file()),
         }
         .map_err(|problems| self.problem(&problems))
     }
@@ -248,14 +255,9 @@ impl Loaded {
     /// The model with its names, for reading expressions.
     pub fn model(&self) -> Result<Model, Problem> {
         if let Some(written) = &self.written {
-            return Ok(written.model.clone());
+            return Ok(Model::clone(written));
         }
-        load_in(self.folder.as_deref(), &self.source, &self.sizes).map_err(|problems| self.problem(&problems))
-    }
-
-    /// Where the files of its tables are.
-    pub fn folder(&self) -> Option<&Path> {
-        self.folder.as_deref()
+        load_from(&self.files, &self.source, &self.sizes).map_err(|problems| self.problem(&problems))
     }
 
     /// The derived model as runs have it, if it was derived.
@@ -270,13 +272,13 @@ impl Loaded {
 }
 
 /// Derives a model; a terminal says so where that takes longer than [`PATIENCE`].
-pub fn derived(path: &str, source: &str, sizes: &[(String, i64)]) -> Result<Program, Vec<diagnose::Problem>> {
-    announced_on_terminals(path, || compile_in(folder(path).as_deref(), source, sizes))
+pub fn derived(file: &ModelFile) -> Result<Program, Vec<diagnose::Problem>> {
+    announced_on_terminals(&file.path, || compile_from(&file.files, &file.source, &file.sizes))
 }
 
 /// The same, with a large M left out where runs need none.
-fn derived_for_runs(path: &str, source: &str, sizes: &[(String, i64)]) -> Result<Program, Vec<diagnose::Problem>> {
-    announced_on_terminals(path, || compile_for_runs_in(folder(path).as_deref(), source, sizes))
+fn derived_for_runs(file: &ModelFile) -> Result<Program, Vec<diagnose::Problem>> {
+    announced_on_terminals(&file.path, || compile_for_runs_from(&file.files, &file.source, &file.sizes))
 }
 
 fn announced_on_terminals<T>(path: &str, work: impl FnOnce() -> T) -> T {

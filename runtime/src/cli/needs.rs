@@ -2,7 +2,6 @@
 
 use std::io::{IsTerminal, Write};
 use std::ops::ControlFlow;
-use std::path::Path;
 
 use clap::ArgMatches;
 use dalembert_symbolic::model::Sets;
@@ -279,7 +278,7 @@ fn named(loaded: &mut Loaded, names: &str) -> Result<Named, Problem> {
 fn asked(loaded: &Loaded, options: &ArgMatches) -> NeedsRequest {
     NeedsRequest {
         sizes: loaded.sizes.clone(),
-        folder: loaded.folder().map(Path::to_owned),
+        files: loaded.files.clone(),
         scene: options.get_one::<String>("scene").cloned(),
         all: options.try_get_one("all").ok().flatten().copied().unwrap_or(false),
         ..NeedsRequest::new(loaded.source.as_str())

@@ -97,7 +97,7 @@ impl Session {
         sizes: Vec<(String, i64)>,
     ) -> Result<Session, LoadError> {
         let (name, path, source) = (name.to_owned(), format!("{name}.yaml"), text.to_owned());
-        Session::of(models, &ModelFile { name, path, source, sizes })
+        Session::of(models, &ModelFile::of(name, path, source, sizes))
     }
 
     fn of(models: &'static [Entry], file: &ModelFile) -> Result<Session, LoadError> {

@@ -1,10 +1,10 @@
 //! What is wanted, and the motion that answers it in full.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use dalembert_symbolic::diagnose::Problem;
-use dalembert_symbolic::lower::{Program, compile_in};
+use dalembert_symbolic::lower::{Program, compile_from};
+use dalembert_symbolic::model::Files;
 use dalembert_symbolic::print::resting_place;
 
 use super::deviation::{Deviation, MOST_STEPS, Motion, TIMES, between, dense_enough, largest};
@@ -20,7 +20,7 @@ use crate::simulate::{Interruption, Settings, simulate};
 pub(super) struct Full {
     pub source: String,
     pub sizes: Vec<(String, i64)>,
-    pub folder: Option<PathBuf>,
+    pub files: Files,
     pub scene: Option<String>,
     pub program: Program,
     pub system: Box<dyn System>,
@@ -148,11 +148,11 @@ fn possible(need: &Need) -> Result<(), NeedsError> {
 
 impl Full {
     pub fn run(request: &NeedsRequest, need: Need, interruption: &Interruption) -> Result<Full, NeedsError> {
-        let NeedsRequest { sizes, scene, folder, .. } = request;
+        let NeedsRequest { sizes, scene, files, .. } = request;
         possible(&need)?;
         // The smaller file is one of these sizes.
         let source = &with_sizes(&request.source, sizes);
-        let compiled = compile_in(folder.as_deref(), source, sizes);
+        let compiled = compile_from(files, source, sizes);
         let program = compiled.map_err(|problems| NeedsError::Model { problems })?;
         if !program.model.states.is_empty() {
             return Err(NeedsError::States);
@@ -177,7 +177,7 @@ impl Full {
         let mut full = Full {
             source: source.clone(),
             sizes: sizes.clone(),
-            folder: folder.clone(),
+            files: files.clone(),
             scene: scene.clone(),
             program,
             system,
@@ -227,7 +227,7 @@ impl Full {
     /// # Errors
     /// Its mistakes.
     pub fn compiled(&self, text: &str) -> Result<Program, Vec<Problem>> {
-        compile_in(self.folder.as_deref(), text, &self.sizes)
+        compile_from(&self.files, text, &self.sizes)
     }
 
     pub fn name(&self) -> &str {

@@ -39,11 +39,10 @@ pub use prediction::{Law, Prediction};
 pub use reduction::{ModelReduction, Proposal, Verdict};
 
 use std::ops::ControlFlow;
-use std::path::PathBuf;
 
 use dalembert_symbolic::diagnose::Step;
 use dalembert_symbolic::file::edit::keys;
-use dalembert_symbolic::model;
+use dalembert_symbolic::model::{self, Files};
 
 use full::Full;
 
@@ -92,8 +91,8 @@ pub struct NeedsRequest {
     pub source: String,
     /// Sizes other than the file's.
     pub sizes: Vec<(String, i64)>,
-    /// Where the files of its tables are.
-    pub folder: Option<PathBuf>,
+    /// The files that it names.
+    pub files: Files,
     /// Which scene; `None`: the default one.
     pub scene: Option<String>,
     /// What is wanted; `None`: what the scene says, or all coordinates and outputs to a thousandth.
@@ -172,7 +171,14 @@ const WITHIN: f64 = 1e-3;
 impl NeedsRequest {
     /// Of a file's default scene, as it says.
     pub fn new(source: impl Into<String>) -> NeedsRequest {
-        NeedsRequest { source: source.into(), sizes: Vec::new(), folder: None, scene: None, need: None, all: false }
+        NeedsRequest {
+            source: source.into(),
+            sizes: Vec::new(),
+            files: Files::default(),
+            scene: None,
+            need: None,
+            all: false,
+        }
     }
 
     /// The same question of the file with another value of a free parameter that has one, as the file would have it (`2 kg`).
@@ -241,7 +247,7 @@ impl NeedsRequest {
     /// # Errors
     /// A file with mistakes.
     pub fn said(&self) -> Result<Option<Need>, NeedsError> {
-        let model = model::load_in(self.folder.as_deref(), &self.source, &self.sizes)
+        let model = model::load_from(&self.files, &self.source, &self.sizes)
             .map_err(|problems| NeedsError::Model { problems })?;
         let said = model.need(self.scene.as_deref().unwrap_or("scene"));
         Ok(said.map(|said| Need { outputs: said.outputs, within: said.within, absolute: said.absolute }))

@@ -30,7 +30,7 @@ use crate::derive::{Derivation, Equations, Switch, held_rates, rates};
 use crate::diagnose::Problem;
 use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary, jacobian, logarithms_without_overflow, reverse, substitute};
 use crate::gate::{Judged, Report};
-use crate::model::{Contact, Model, Scene, Shape};
+use crate::model::{Contact, Files, Model, Scene, Shape};
 
 pub use arguments::{Argument, Role, Watched};
 pub use constraints::Constraints;
@@ -178,7 +178,15 @@ pub fn compile(text: &str, sizes: &[(String, i64)]) -> Result<Program, Vec<Probl
 /// # Errors
 /// Everything that is wrong with the model file, and with them.
 pub fn compile_in(folder: Option<&Path>, text: &str, sizes: &[(String, i64)]) -> Result<Program, Vec<Problem>> {
-    compile_for_runs_in(folder, text, sizes).and_then(Program::with_matrices)
+    compile_from(&Files::of_folder(folder), text, sizes)
+}
+
+/// As [`compile`], with the files that it names.
+///
+/// # Errors
+/// Everything that is wrong with the model file, and with them.
+pub fn compile_from(files: &Files, text: &str, sizes: &[(String, i64)]) -> Result<Program, Vec<Problem>> {
+    compile_for_runs_from(files, text, sizes).and_then(Program::with_matrices)
 }
 
 /// As [`compile_in`], but what is [`Program::unformed`] stays so.
@@ -190,9 +198,17 @@ pub fn compile_for_runs_in(
     text: &str,
     sizes: &[(String, i64)],
 ) -> Result<Program, Vec<Problem>> {
-    match crate::model::read_through_in(folder, text, sizes) {
+    compile_for_runs_from(&Files::of_folder(folder), text, sizes)
+}
+
+/// As [`compile_from`], but what is [`Program::unformed`] stays so.
+///
+/// # Errors
+/// Everything that is wrong with the model file, and with the files that it names.
+pub fn compile_for_runs_from(files: &Files, text: &str, sizes: &[(String, i64)]) -> Result<Program, Vec<Problem>> {
+    match crate::model::read_through_from(files, text, sizes) {
         (Some(model), problems) if problems.is_empty() => {
-            let in_parts = || crate::model::load_in_parts(folder, text, sizes);
+            let in_parts = || crate::model::load_in_parts(files, text, sizes);
             lower(crate::gate::judged_and_explained(model, in_parts)?)
         }
         (Some(model), mut problems) => {

@@ -5,6 +5,7 @@ mod contact;
 mod event;
 mod every;
 mod expression;
+mod files;
 mod gimbals;
 mod identifier;
 mod motion;
@@ -19,11 +20,12 @@ mod ways;
 pub use command::Sets;
 pub use contact::{Contact, ContactMode, ImpactLaw, MOST_COMBINATIONS, are_single, modes_of_phases};
 pub use event::{Clock, Event, EventAction, HeldValue, Noise, Set, Target, Trigger};
+pub use files::Files;
 pub use gimbals::Gimbal;
 pub use identifier::{KEYWORDS, METHODS, field_name, is_snake_case, local_name, method_name, type_name};
 pub use motion::{Closes, Goal, Image, Motion};
 pub(crate) use resolve::load_in_parts;
-pub use resolve::{load, load_in, read_through, read_through_in, resolve};
+pub use resolve::{load, load_from, load_in, read_through, read_through_from, read_through_in, resolve};
 pub use resolved::{
     Balance, BalanceSystem, Body, Change, Check, Conserved, Constraint, Coordinate, Derived, Family, GeneralizedForce,
     HIDDEN, Input, Load, Model, Need, Output, Parameter, Part, Phase, Push, Reaction, RotationCoordinate, Sample,

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::expression::builder::is_of_units;
+use super::files::Files;
 use super::identifier::type_name;
 use super::resolved::Model;
 use super::resolver::Resolver;
@@ -61,7 +62,7 @@ const KEYS: [&str; 38] = [
 /// # Errors
 /// Everything that is wrong with the file.
 pub fn resolve(root: &Node, sizes: &[(String, i64)]) -> Result<Model, Vec<Problem>> {
-    whole(resolve_through(root, sizes, None, false))
+    whole(resolve_through(root, sizes, &Files::default(), false))
 }
 
 /// The model, if nothing is wrong.
@@ -78,10 +79,10 @@ fn whole((model, problems): (Option<Model>, Vec<Problem>)) -> Result<Model, Vec<
 fn resolve_through(
     root: &Node,
     sizes: &[(String, i64)],
-    folder: Option<&Path>,
+    files: &Files,
     in_parts: bool,
 ) -> (Option<Model>, Vec<Problem>) {
-    let mut resolver = Resolver::new(Spot::root(root), folder);
+    let mut resolver = Resolver::new(Spot::root(root), files);
     resolver.in_parts = in_parts;
     resolver.head();
     // 1. Names; look in `declare.rs` and `parameters.rs`.
@@ -154,12 +155,20 @@ pub fn load(text: &str, sizes: &[(String, i64)]) -> Result<Model, Vec<Problem>> 
 /// # Errors
 /// Everything that is wrong with it and with them.
 pub fn load_in(folder: Option<&Path>, text: &str, sizes: &[(String, i64)]) -> Result<Model, Vec<Problem>> {
-    whole(resolve_through(&crate::file::read(text)?, sizes, folder, false))
+    load_from(&Files::of_folder(folder), text, sizes)
 }
 
-/// As [`load_in`], with what every body does to a balance as a part of its own however many they are.
-pub(crate) fn load_in_parts(folder: Option<&Path>, text: &str, sizes: &[(String, i64)]) -> Result<Model, Vec<Problem>> {
-    whole(resolve_through(&crate::file::read(text)?, sizes, folder, true))
+/// As [`load`], with the files that it names.
+///
+/// # Errors
+/// Everything that is wrong with it and with them.
+pub fn load_from(files: &Files, text: &str, sizes: &[(String, i64)]) -> Result<Model, Vec<Problem>> {
+    whole(resolve_through(&crate::file::read(text)?, sizes, files, false))
+}
+
+/// As [`load_from`], with what every body does to a balance as a part of its own however many they are.
+pub(crate) fn load_in_parts(files: &Files, text: &str, sizes: &[(String, i64)]) -> Result<Model, Vec<Problem>> {
+    whole(resolve_through(&crate::file::read(text)?, sizes, files, true))
 }
 
 /// Reads and resolves the text of a file as far as it goes: all problems, and the model wherever it can be derived and
@@ -183,8 +192,13 @@ pub fn read_through(text: &str, sizes: &[(String, i64)]) -> (Option<Model>, Vec<
 
 /// As [`read_through`], for a file in a folder, where the files of its tables are.
 pub fn read_through_in(folder: Option<&Path>, text: &str, sizes: &[(String, i64)]) -> (Option<Model>, Vec<Problem>) {
+    read_through_from(&Files::of_folder(folder), text, sizes)
+}
+
+/// As [`read_through`], with the files that it names.
+pub fn read_through_from(files: &Files, text: &str, sizes: &[(String, i64)]) -> (Option<Model>, Vec<Problem>) {
     match crate::file::read(text) {
-        Ok(root) => resolve_through(&root, sizes, folder, false),
+        Ok(root) => resolve_through(&root, sizes, files, false),
         Err(problems) => (None, problems),
     }
 }

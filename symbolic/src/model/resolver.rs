@@ -1,7 +1,6 @@
 //! What resolving a model carries from section to section.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use super::expression::builder::ExprBuilder;
@@ -9,6 +8,7 @@ use super::expression::families::{self, Expanded, Family, IndexNames, Locals};
 use super::expression::index::MEMBER_LIMIT;
 use super::expression::rules::Rules;
 use super::expression::scope::{Entry, Member, Scope, Section};
+use super::files::Files;
 use super::resolved::Model;
 use super::section::contacts::ContactText;
 use super::section::joints::Fixed;
@@ -39,8 +39,8 @@ pub struct Resolver<'a> {
     pub fixed: Vec<Fixed>,
     /// Masses and moments of inertia: values, what they are, where they stand.
     pub masses: Vec<(Id, &'static str, Place)>,
-    /// Where files that the model names are; `None` where it is in no folder.
-    pub folder: Option<PathBuf>,
+    /// Files that the model names.
+    pub files: Files,
     /// Contacts, to be looked at when values are known.
     pub contacts: Vec<ContactText>,
     /// Sums over blocks of bodies.
@@ -54,7 +54,7 @@ pub struct Resolver<'a> {
 
 impl<'a> Resolver<'a> {
     /// For a file.
-    pub fn new(root: Spot<'a>, folder: Option<&Path>) -> Resolver<'a> {
+    pub fn new(root: Spot<'a>, files: &Files) -> Resolver<'a> {
         Resolver {
             root,
             builder: ExprBuilder::new(crate::expr::Graph::new()),
@@ -65,7 +65,7 @@ impl<'a> Resolver<'a> {
             fixed: Vec::new(),
             masses: Vec::new(),
             contacts: Vec::new(),
-            folder: folder.map(Path::to_owned),
+            files: files.clone(),
             blocks: Blocks::default(),
             in_parts: false,
             model: Model::default(),

@@ -1,6 +1,6 @@
 //! Records that motions follow: columns of a file beside the model's.
 
-use super::tables::{columns_of, text_of};
+use super::tables::columns_of;
 use crate::diagnose::catalogue::{later, sections};
 use crate::file::Spot;
 use crate::model::resolver::Resolver;
@@ -19,14 +19,14 @@ impl Resolver<'_> {
         let (file, columns) = (file?, columns?);
         let named = self.named_columns(&columns);
         let words = file.words(&mut self.builder.problems)?;
-        let Some(folder) = &self.folder else {
+        let Some(folder) = &self.files.folder else {
             let what = "a record's file in a model that is none";
             self.builder.problems.push(later::form_not_supported(file.place.clone(), what));
             return None;
         };
         let path = folder.join(words);
         let (time, named) = named?;
-        let record = text_of(&path).and_then(|text| {
+        let record = self.files.text(&path).and_then(|text| {
             let pairs =
                 named.iter().map(|(name, column)| Ok((name, columns_of(&text, Some([time.as_str(), column]))?)));
             record(pairs.collect::<Result<Vec<_>, String>>()?)

@@ -137,7 +137,7 @@ fn halves(range: &Range<usize>) -> [Range<usize>; 2] {
 #[cfg(test)]
 mod tests {
     use crate::expr::{Graph, Id, Symbol, Tape};
-    use crate::model::{Model, load, load_in_parts};
+    use crate::model::{Files, Model, load, load_in_parts};
     use crate::number::DoubleDouble;
     use crate::random::Random;
 
@@ -172,8 +172,8 @@ balances:
 
     #[test]
     fn sums_over_blocks_are_those_of_all_bodies() {
-        let [mut summed, mut parts] =
-            [load(LINKS, &[]), load_in_parts(None, LINKS, &[])].map(|model| model.unwrap_or_else(|p| panic!("{p:?}")));
+        let [mut summed, mut parts] = [load(LINKS, &[]), load_in_parts(&Files::default(), LINKS, &[])]
+            .map(|model| model.unwrap_or_else(|p| panic!("{p:?}")));
         assert!(summed.balances[0].balances[0].parts.len() == 1 && parts.balances[0].balances[0].parts.len() > 100);
         let mut random = Random::new();
         let numbers: Vec<f64> = (0..200).map(|_| random.between(0.5, 1.5)).collect();

@@ -193,7 +193,7 @@ impl Resolver<'_> {
     /// Columns of a file beside the model's, line by line.
     pub(super) fn lines_of_file<const N: usize>(&mut self, spot: &Spot<'_>, file: &Spot<'_>) -> Option<Vec<[f64; N]>> {
         let words = file.words(&mut self.builder.problems)?;
-        let Some(folder) = &self.folder else {
+        let Some(folder) = &self.files.folder else {
             self.builder
                 .problems
                 .push(later::form_not_supported(file.place.clone(), "a table's file in a model that is none"));
@@ -212,7 +212,7 @@ impl Resolver<'_> {
                 Some(names.collect::<Option<Vec<&str>>>()?.try_into().ok()?)
             }
         };
-        match text_of(&path).and_then(|text| columns_of(&text, columns)) {
+        match self.files.text(&path).and_then(|text| columns_of(&text, columns)) {
             Ok(points) => {
                 self.model.files.push(path);
                 self.count(points.len(), &file.place).then_some(points)
@@ -250,7 +250,7 @@ fn unfit(points: &[[f64; 2]], periodic: bool) -> Option<(String, &'static str)> 
 const LONGEST: u64 = 100 * MEMBER_LIMIT as u64;
 
 /// The text of a file of no more than [`LONGEST`]; devices and pipes, which may never end, are refused.
-pub(super) fn text_of(path: &Path) -> Result<String, String> {
+pub(in crate::model) fn text_of(path: &Path) -> Result<String, String> {
     let told = |error: std::io::Error| error.to_string();
     let kind = std::fs::metadata(path).map_err(told)?;
     if !kind.is_file() {
