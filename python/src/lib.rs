@@ -32,6 +32,12 @@ mod _dalembert {
         py.detach(|| dalembert::cli::status(super::library(), arguments))
     }
 
+    /// The name that the text of a model states.
+    #[pyfunction]
+    fn stated_name(text: &str) -> Option<String> {
+        dalembert::cli::stated_name(text)
+    }
+
     /// The names of the library's models.
     #[pyfunction]
     fn models() -> Vec<&'static str> {

@@ -35,6 +35,13 @@ def test_a_text_goes_by_the_name_that_it_states(stated):
     assert dalembert.load(TEXT.replace("name: Swing", stated)).name == "Swing"
 
 
+def test_names_that_are_not_the_models_are_none_of_it():
+    text = "parameters: {m: 1 kg}\ncoordinates: {x: m}\nbodies:\n  name:\n    {mass: m, position: '[x, 0]'}\nname: Last\nscene: {until: 1}"
+    assert dalembert.load(text).name == "Last"
+    flow = "{parameters: {m: 1 kg}, coordinates: {x: m}, bodies: {b: {mass: m, position: '[x, 0]'}}, name: Flow, scene: {until: 1}}"
+    assert dalembert.load(flow).name == "Flow" and dalembert.load(flow, name="mine").name == "mine"
+
+
 def test_sizes_are_other_sizes():
     assert len(dalembert.load("chain", sizes={"n": 7}).coordinates) == 7
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import difflib
 import os
-import re
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -34,8 +33,8 @@ def load(source: _Path, *, name: Optional[str] = None, sizes: Optional[Mapping[s
     """
     listed = list((sizes or {}).items())
     if isinstance(source, str) and ("\n" in source or "{" in source):
-        stated = re.search(r"""^[\s{]*["']?name["']?\s*:\s*["']?([A-Za-z_]\w*)""", source, re.MULTILINE)
-        name = name or (stated.group(1) if stated else "model")
+        stated = _dalembert.stated_name(source) or ""
+        name = name or (stated if stated.isidentifier() else "model")
         return Mechanism(_dalembert.Model.of_text(name, source, listed))
     return Mechanism(_dalembert.Model.named(os.fspath(source), listed))
 

@@ -10,7 +10,7 @@ use std::sync::atomic::AtomicBool;
 
 use clap::ArgMatches;
 use dalembert_symbolic::diagnose;
-use dalembert_symbolic::file::render;
+use dalembert_symbolic::file::{Node, read, render};
 use serde_json::Value;
 
 use super::load::{Loaded, ModelFile};
@@ -26,6 +26,15 @@ pub struct Session {
     kept: Loaded,
     warnings: String,
     warned: String,
+}
+
+/// The name that the text of a model states.
+pub fn stated_name(text: &str) -> Option<String> {
+    let Ok(Node::Map(entries)) = read(text) else { return None };
+    entries.into_iter().find_map(|entry| match entry {
+        (key, Node::Scalar(name)) if key == "name" => Some(name),
+        _ => None,
+    })
 }
 
 /// Why a model cannot be loaded.
