@@ -28,13 +28,9 @@ impl Equations {
         py: Python<'_>,
         mut system: Box<dyn System>,
         scene: usize,
-        parameters: Vec<(usize, f64)>,
         (asked, derivation): (Option<usize>, Option<usize>),
     ) -> PyResult<Equations> {
         guarded(py, || {
-            for (index, value) in system.scene_parameters(scene).into_iter().chain(parameters) {
-                system.set_parameter(index, value);
-            }
             system.set_derivation(derivation);
             let settings = Settings::of_scene(&*system, scene);
             match asked {

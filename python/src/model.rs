@@ -144,16 +144,18 @@ impl Model {
         done.whole()?.map_err(|problem| raised(py, &problem))
     }
 
-    /// The equations of a scene with other values of parameters, in a phase or in that in which the scene begins, by a system of balances.
+    /// The equations of a scene by its options, in a phase or in that in which the scene begins, by a system of balances.
     fn equations(
         &self,
         py: Python<'_>,
-        scene: usize,
-        parameters: Vec<(usize, f64)>,
+        options: Vec<String>,
         phase: Option<usize>,
         derivation: Option<usize>,
     ) -> PyResult<Equations> {
-        Equations::new(py, self.session.system(), scene, parameters, (phase, derivation))
+        let session = self.session.clone();
+        let chosen = in_background(py, move |_| session.system_of(&options))?.whole()?;
+        let (system, scene) = chosen.map_err(|problem| raised(py, &problem))?;
+        Equations::new(py, system, scene, (phase, derivation))
     }
 
     /// The names of systems of balances.

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._errors import CompileError, EvaluationError
-from ._options import options
+from ._options import Values, options
 
 if TYPE_CHECKING:
     from ._equations import Equations
@@ -122,7 +122,7 @@ def build(
     mechanism: Mechanism,
     folder: Union[None, str, os.PathLike[str]],
     scene: Optional[str],
-    set: Optional[Mapping[str, float]],
+    set: Optional[Values],
     compiler: Optional[str],
 ) -> Compiled:
     """Writes, compiles, loads and compares."""

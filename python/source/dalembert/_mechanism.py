@@ -521,21 +521,18 @@ class Mechanism:
         self,
         scene: Optional[str] = None,
         *,
-        set: Optional[Mapping[str, float]] = None,
+        set: Optional[Values] = None,
         phase: Optional[str] = None,
         by: Optional[str] = None,
     ) -> Equations:
-        """The equations of a scene as functions of time and state, with other values of parameters, SI.
+        """The equations of a scene as functions of time and state, with other values of parameters.
 
         The phase is that in which a run begins, by what its start decides of contacts and friction, if `phase` names no other.
         `by` names a system of `balances` from which the accelerations come.
         """
-        names = list(self.parameters)
-        changed = [(_place("parameter", name, names), _number(name, value)) for name, value in (set or {}).items()]
-        place = 0 if scene is None else _place("scene", scene, self.scenes)
         mode = None if phase is None else _place("phase", phase, self.phases)
         system = None if by is None else _place("system of balances", by, self._model.derivations)
-        native = self._model.equations(place, changed, mode, system)
+        native = self._model.equations(options(scene=scene, set=set), mode, system)
         coordinates = [name for name, _ in self._model.coordinates]
         rates = [name[1:] if name.startswith("∫") else f"{name}'" for name in coordinates]
         return Equations(native, coordinates + rates, self._model.events)
@@ -563,7 +560,7 @@ class Mechanism:
         folder: Optional[_Path] = None,
         *,
         scene: Optional[str] = None,
-        set: Optional[Mapping[str, float]] = None,
+        set: Optional[Values] = None,
         compiler: Optional[str] = None,
     ) -> Compiled:
         """Writes the equations as C, compiles them, and gives the compiled functions, which were compared with the interpreted ones.
@@ -602,13 +599,6 @@ def _place(kind: str, name: str, known: Iterable[str]) -> int:
     near = difflib.get_close_matches(name, names, 1)
     hint = f"did you mean `{near[0]}`?" if near else f"there are {', '.join(names)}"
     raise _errors.UsageError(f"no {kind} is called `{name}`; {hint}")
-
-
-def _number(name: str, value: Any) -> float:
-    try:
-        return float(value)
-    except (TypeError, ValueError):
-        raise _errors.UsageError(f"`{name}` is to be a number in SI units, not {value!r}") from None
 
 
 def _table(given: Any, folder: str) -> Optional[str]:

@@ -15,6 +15,7 @@ use serde_json::Value;
 
 use super::load::{Loaded, ModelFile};
 use super::plotted::Shown;
+use super::set_up::choose;
 use super::simulate::{Outcome, outcome};
 use super::{Context, Entry, Problem, arguments, check, command, json, modes};
 use crate::Run;
@@ -145,6 +146,17 @@ impl Session {
     /// The mechanism, with the file's parameters.
     pub fn system(&self) -> Box<dyn System> {
         self.kept.system.boxed_clone()
+    }
+
+    /// The mechanism with the parameters of a scene, by `--scene` and `--set`, and which scene it is.
+    ///
+    /// # Errors
+    /// What `simulate` refuses of these.
+    pub fn system_of(&self, options: &[String]) -> Result<(Box<dyn System>, usize), Problem> {
+        let options = self.options("simulate", options)?;
+        let mut loaded = self.kept.again();
+        let (scene, _) = choose(&mut loaded, &options)?;
+        Ok((loaded.system, scene))
     }
 
     /// Runs a command of the program on this model.
