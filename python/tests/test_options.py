@@ -111,3 +111,14 @@ def test_values_of_equations_have_units_as_those_of_runs():
     except dalembert.CompileError:
         return
     assert np.allclose(compiled.rhs(0, y), inches.rhs(0, y), rtol=1e-13)
+
+
+def test_a_state_is_saved_and_goes_on(tmp_path):
+    model, path = dalembert.load("double_pendulum"), tmp_path / "half.yaml"
+    whole = model.simulate(until=2, tolerance=1e-11)
+    half = model.simulate(until=1, tolerance=1e-11, save=path)
+    rest = model.simulate(until=2, tolerance=1e-11, state=path)
+    assert rest.t[0] == 1 and np.array_equal(rest.y[0], half.y[-1]) and np.abs(rest.y[-1] - whole.y[-1]).max() < 1e-8
+    with pytest.raises(dalembert.UsageError, match="save"):
+        model.simulate(save=tmp_path / "half.csv")
+    assert not (tmp_path / "half.csv").exists()

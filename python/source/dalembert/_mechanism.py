@@ -143,10 +143,11 @@ class Mechanism:
         alpha: Optional[float] = None,
         params: Optional[_Path] = None,
         state: Optional[_Path] = None,
+        save: Optional[_Path] = None,
     ) -> Motion:
         """Runs a scene.
 
-        `digits` says whether a second run tells how many digits hold; by default it does after a run that took less than 10 s. A run that
+        `save` names a file for the final state (.yaml, .yml, .txt), from which `state` starts. `digits` says whether a second run tells how many digits hold; by default it does after a run that took less than 10 s. A run that
         fails raises a `RunError`, with all that was computed.
         """
         given = options(
@@ -173,6 +174,7 @@ class Mechanism:
             alpha=alpha,
             params=params,
             state=state,
+            save=save,
         )
         return Motion(self._model.simulate(given))
 

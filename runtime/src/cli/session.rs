@@ -167,7 +167,7 @@ impl Session {
         Answer { text: String::from_utf8_lossy(&out).into_owned(), problem }
     }
 
-    /// Runs a scene as `simulate` does, and keeps the run; `watch` is asked at every step whether to go on.
+    /// Runs a scene as `simulate` does, and keeps the run, of which only `--save` is written; `watch` is asked at every step whether to go on.
     ///
     /// # Errors
     /// What `simulate` refuses; a run that failed is none of it.

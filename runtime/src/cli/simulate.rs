@@ -107,13 +107,14 @@ pub struct Outcome {
     pub text: String,
 }
 
-/// Runs a scene without writing anything.
+/// Runs a scene, and writes nothing but its final state where `--save` asks for it.
 pub fn outcome(
     context: Context<'_>,
     options: &ArgMatches,
     watch: &mut dyn FnMut(Stage) -> ControlFlow<()>,
 ) -> Result<Outcome, Problem> {
     let mut loaded = with_derivations(Loaded::find(context, options)?, options)?;
+    outputs::check(options, &["save"], &loaded.path)?;
     let settings = set_up(&mut loaded, options).and_then(|settings| by_options(settings, options))?;
     if let Some(name) = options.get_one::<String>("by") {
         choose_derivation(&mut loaded, name)?;
@@ -126,6 +127,7 @@ pub fn outcome(
         }
         Err(error) => return Err(Problem::usage(error)),
     };
+    save(&loaded, &run, options)?;
     let mut json = as_json(&loaded, &settings, &run);
     if failed.is_none()
         && let Some(slopes) = slopes::asked(&mut loaded, &settings, options)?
@@ -273,14 +275,7 @@ fn report(
         let figure = shown.figure(&runs).map_err(Problem::usage)?;
         outputs::draw(path, figure)?;
     }
-    if let Some(path) = file("save") {
-        let known = loaded.system.description().parameters.iter().zip(loaded.system.parameters());
-        let changed: Vec<(String, f64)> = known
-            .filter(|(parameter, value)| parameter.default != *value)
-            .map(|(parameter, value)| (parameter.name.to_string(), value))
-            .collect();
-        outputs::write(path, value_files::state(run, &changed))?;
-    }
+    save(loaded, run, options)?;
     if let Some(path) = file("animate") {
         let charts = shown.of(run).map_err(Problem::usage)?;
         let playback = outputs::animate(path, &Animation { charts, ..run.animation() })?;
@@ -314,6 +309,17 @@ fn report(
     }
     writeln!(out)?;
     Ok(())
+}
+
+/// Writes the final state, if that was asked for.
+fn save(loaded: &Loaded, run: &Run, options: &ArgMatches) -> Result<(), Problem> {
+    let Some(path) = options.get_one::<String>("save") else { return Ok(()) };
+    let known = loaded.system.description().parameters.iter().zip(loaded.system.parameters());
+    let changed: Vec<(String, f64)> = known
+        .filter(|(parameter, value)| parameter.default != *value)
+        .map(|(parameter, value)| (parameter.name.to_string(), value))
+        .collect();
+    outputs::write(path, value_files::state(run, &changed))
 }
 
 /// Where the motion ends, what happened on the way, and how far that can be trusted.
