@@ -85,6 +85,19 @@ def test_states_of_first_order_are_columns():
     assert motion[state][-1] == motion.data["states"][state]
 
 
+def test_coordinates_and_rates_have_a_column_each_and_no_hidden_ones():
+    model = dalembert.load(
+        "{name: Lag, parameters: {m: 1 kg, k: 4 N/m, T: 1 s}, coordinates: {x: m}, states: {z: {unit: m, rate: (x - z)/T}}, "
+        "bodies: {b: {mass: m, position: '[x, 0]'}}, springs: {s: {stretch: x - z, stiffness: k, along: ground.x, on: b}}, "
+        "scene: {start: {x: 1, z: 0.5}, until: 1}}"
+    )
+    motion = model.simulate()
+    assert motion.q.shape == motion.v.shape == (len(motion.t), 1) and motion.y.shape == (len(motion.t), 4)
+    assert np.array_equal(motion.q[:, 0], motion["x"]) and np.array_equal(motion.v[:, 0], motion["x'"])
+    assert not motion.q.flags.owndata and not motion.v.flags.writeable
+    assert model.equations().names == ["x", "∫z", "x'", "z"] and np.array_equal(motion.y[0], model.equations().y0)
+
+
 def test_dense_output_is_known_between_reported_times(pendulum, motion):
     states = motion.at([0.0, 3.14159, 10.0])
     assert np.array_equal(states[[0, 2]], motion.y[[0, -1]])

@@ -21,7 +21,7 @@ class Equations:
 
     def __init__(self, native: _dalembert.Equations, names: list[str], events: list[tuple[str, int, bool, Optional[list[int]]]]):
         self._native = native
-        #: The names of y.
+        #: The names of y: coordinates, then their rates. A state z of first order is the rate of a hidden coordinate `∫z`, whose value nothing reads.
         self.names = names
         self._y0: Optional[_Array] = None
         #: From 0 to the scene's end, s.

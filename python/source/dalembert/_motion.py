@@ -32,6 +32,7 @@ class Motion(Mapping[str, _Array]):
         self._places = {name: place for place, name in enumerate(run.names)}
         self._shown = run.shown
         self._states = states
+        self._mechanical = sum(not name.startswith("∫") for name in run.names[: states // 2])
         self.json: str = run.json
         self.data: dict[str, Any] = json.loads(run.json)
 
@@ -47,13 +48,14 @@ class Motion(Mapping[str, _Array]):
 
     @property
     def q(self) -> _Array:
-        """The coordinates, a column each."""
-        return self.y[:, : self._states // 2]
+        """The coordinates, a column each; in `y` hidden ones come after them, of which states of first order are the rates."""
+        return self.y[:, : self._mechanical]
 
     @property
     def v(self) -> _Array:
-        """Their rates, a column each."""
-        return self.y[:, self._states // 2 :]
+        """Their rates, a column each; in `y` states of first order come after them."""
+        half = self._states // 2
+        return self.y[:, half : half + self._mechanical]
 
     @property
     def outputs(self) -> _Array:
