@@ -1,10 +1,11 @@
 //! A model: what it says of itself, and the commands on it.
 
 use std::ops::ControlFlow;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use dalembert::cli::{LoadError, Session};
+use dalembert::cli::{Kept, LoadError, Session};
 use dalembert::mechanism::{Action, Description, Direction, Event};
 use pyo3::prelude::*;
 
@@ -21,6 +22,9 @@ pub struct Model {
     description: Description,
 }
 
+/// What a model is loaded from.
+type Parts = (String, String, String, Vec<(String, i64)>, Option<PathBuf>, Vec<(PathBuf, String)>);
+
 /// What a command wrote, and why it failed: the class of the exception and its words.
 type Answered = (String, Option<(&'static str, String)>);
 
@@ -36,6 +40,20 @@ impl Model {
     #[staticmethod]
     fn of_text(py: Python<'_>, name: String, text: String, sizes: Vec<(String, i64)>) -> PyResult<Model> {
         opened(py, move || Session::of_text(library(), (&name, &text), sizes))
+    }
+
+    /// A model of what another told by `kept`.
+    #[staticmethod]
+    fn restored(py: Python<'_>, kept: Parts) -> PyResult<Model> {
+        let (name, path, source, sizes, folder, files) = kept;
+        opened(py, move || Session::restored(library(), Kept { name, path, source, sizes, folder, files }))
+    }
+
+    /// All that it was loaded from: its name, path, text and sizes, the folder of files that it names, and these with their texts.
+    #[getter]
+    fn kept(&self) -> Parts {
+        let Kept { name, path, source, sizes, folder, files } = self.session.kept();
+        (name, path, source, sizes, folder, files)
     }
 
     #[getter]

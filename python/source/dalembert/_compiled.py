@@ -79,6 +79,9 @@ class Compiled:
         self._call("bias", c, t, u, q, v, h)
         return h
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        raise TypeError("compiled equations stay in their process: pickle the mechanism, and compile it in the other one")
+
     def _at(self, t: float, y: ArrayLike) -> tuple[float, _Array, _Array, _Array, _Array]:
         """The time, the block of constants with the sides of discontinuities, inputs, coordinates and rates."""
         t, n = float(t), self._sizes["COORDINATES"]

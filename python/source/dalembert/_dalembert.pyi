@@ -1,11 +1,13 @@
 """The native half of the package."""
 
+from pathlib import Path
 from typing import Optional, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 _Array = NDArray[np.float64]
+_Kept = tuple[str, str, str, list[tuple[str, int]], Optional[Path], list[tuple[Path, str]]]
 
 def models() -> list[str]: ...
 def stated_name(text: str) -> Optional[str]: ...
@@ -25,10 +27,13 @@ class Model:
     phases: list[str]
     constraints: list[str]
     derivations: list[str]
+    kept: _Kept
     @staticmethod
     def named(name: str, sizes: Sequence[tuple[str, int]]) -> Model: ...
     @staticmethod
     def of_text(name: str, text: str, sizes: Sequence[tuple[str, int]]) -> Model: ...
+    @staticmethod
+    def restored(kept: _Kept) -> Model: ...
     def command(self, name: str, options: Sequence[str]) -> tuple[str, Optional[tuple[str, str]]]: ...
     def simulate(self, options: Sequence[str]) -> Run: ...
     def linearise(self, options: Sequence[str]) -> str: ...

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Callable, Optional
+from typing import TYPE_CHECKING, Any, Callable, Optional
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _dalembert
+
+if TYPE_CHECKING:
+    from ._mechanism import Mechanism
 
 _Array = NDArray[np.float64]
 
@@ -19,8 +22,15 @@ class Equations:
     discontinuities are on the side where the state is. Nothing here keeps constraints, or does what events do: `simulate` does.
     """
 
-    def __init__(self, native: _dalembert.Equations, names: list[str], events: list[tuple[str, int, bool, Optional[list[int]]]]):
+    def __init__(
+        self,
+        native: _dalembert.Equations,
+        names: list[str],
+        events: list[tuple[str, int, bool, Optional[list[int]]]],
+        again: tuple[Mechanism, dict[str, Any]],
+    ):
         self._native = native
+        self._again = again
         #: The names of y: coordinates, then their rates. A state z of first order is the rate of a hidden coordinate `∫z`, whose value nothing reads.
         self.names = names
         self._y0: Optional[_Array] = None
@@ -50,6 +60,9 @@ class Equations:
         #: The function of each event and its condition, two columns: it counts only where that is > 0.
         self.event_values: Callable[[float, ArrayLike], _Array] = native.events
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _made_again, self._again
+
     @property
     def y0(self) -> _Array:
         """The scene's start, on the constraints that act in the phase."""
@@ -76,3 +89,7 @@ class Equations:
         event.terminal = acts  # type: ignore[attr-defined]
         event.direction = direction  # type: ignore[attr-defined]
         return event
+
+
+def _made_again(mechanism: Mechanism, asked: dict[str, Any]) -> Equations:
+    return mechanism.equations(**asked)

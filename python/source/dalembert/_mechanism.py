@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import difflib
+import functools
 import os
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
@@ -44,11 +45,22 @@ class Mechanism:
 
     Keyword arguments are the options of the program: `set` gives values of parameters, `start` those of coordinates and rates
     (`{"theta": "30 deg", "theta'": 1}`), `until` says where a run ends. A value is a number, or an expression of the model language.
+
+    It never changes. Pickled, as for other processes, it is its text with those of its tables, from which it is derived again.
     """
 
     def __init__(self, model: _dalembert.Model):
         self._model = model
         self._own: Optional[Equations] = None
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restored, (self._model.kept,)
+
+    def __copy__(self) -> Mechanism:
+        return self
+
+    def __deepcopy__(self, _: Any) -> Mechanism:
+        return self
 
     def __repr__(self) -> str:
         return f"<Mechanism {self.name}: {', '.join(self.coordinates)}>"
@@ -223,11 +235,7 @@ class Mechanism:
             vary=vary,
             params=params,
         )
-
-        def again(option: str, file: str, mode: Optional[int] = None) -> str:
-            return self._drawn("modes", given + options(json=True, mode=mode), option, file)[1]
-
-        return Modes(self._answer("modes", given + ["--json"]), again)
+        return Modes(self._answer("modes", given + ["--json"]), functools.partial(_drawn_modes, self, given))
 
     def linearise(
         self,
@@ -537,7 +545,8 @@ class Mechanism:
         native = self._model.equations(options(scene=scene, set=set), mode, system)
         coordinates = [name for name, _ in self._model.coordinates]
         rates = [name[1:] if name.startswith("∫") else f"{name}'" for name in coordinates]
-        return Equations(native, coordinates + rates, self._model.events)
+        again = (self, {"scene": scene, "set": dict(set or {}), "phase": phase, "by": by})
+        return Equations(native, coordinates + rates, self._model.events, again)
 
     @property
     def _equations(self) -> Equations:
@@ -587,6 +596,14 @@ class Mechanism:
             path = Path(folder, file)
             text = self._answer(command, [*given, f"--{option}={path}"])
             return text, path.read_text(encoding="utf-8")
+
+
+def _restored(kept: Any) -> Mechanism:
+    return Mechanism(_dalembert.Model.restored(kept))
+
+
+def _drawn_modes(mechanism: Mechanism, given: list[str], option: str, file: str, mode: Optional[int] = None) -> str:
+    return mechanism._drawn("modes", given + options(json=True, mode=mode), option, file)[1]
 
 
 def _error(problem: Optional[tuple[str, str]]) -> Exception:

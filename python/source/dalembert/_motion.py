@@ -5,12 +5,14 @@ from __future__ import annotations
 import html
 import json
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any, Optional
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._dalembert import Run
+from ._errors import UsageError
 from ._options import Value, text_of
 from ._results import Animation, Figure
 
@@ -20,13 +22,45 @@ if TYPE_CHECKING:
 _Array = NDArray[np.float64]
 
 
+@dataclass(frozen=True)
+class _Numbers:
+    """What a run has at its reported times."""
+
+    t: _Array
+    states: _Array
+    outputs: _Array
+    json: str
+    names: list[str]
+    shown: list[str]
+    units: dict[str, str]
+    bounds: dict[str, Optional[_Array]]
+
+    @staticmethod
+    def of(run: Run) -> _Numbers:
+        units = {name: run.unit(name) for name in run.names}
+        bounds = {name: run.errors(name) for name in run.names}
+        return _Numbers(*(np.array(rows) for rows in (run.t, run.states, run.outputs)), run.json, run.names, run.shown, units, bounds)
+
+    def unit(self, name: str) -> str:
+        return self.units[name]
+
+    def errors(self, name: str) -> Optional[_Array]:
+        return self.bounds[name]
+
+    def __getattr__(self, name: str) -> Any:
+        if name in ("at", "figure", "animation"):
+            raise UsageError(f"`{name}` of a motion works where it was computed: only its numbers were pickled")
+        raise AttributeError(name)
+
+
 class Motion(Mapping[str, _Array]):
     """A motion: columns by name (`"theta1"`, `"theta1'"`, `"tip.x"`), and what tells how far it can be trusted.
 
-    Arrays are views of the run's memory: nothing is copied, and nothing can be written.
+    Arrays are views of the run's memory: nothing is copied, and nothing can be written. Pickled, as for other processes, it is its numbers at the
+    reported times: what draws, and `at`, stay behind.
     """
 
-    def __init__(self, run: Run):
+    def __init__(self, run: Union[Run, _Numbers]):
         self._run = run
         states = run.states.shape[1]
         self._places = {name: place for place, name in enumerate(run.names)}
@@ -61,6 +95,9 @@ class Motion(Mapping[str, _Array]):
     def outputs(self) -> _Array:
         """The outputs, a column for each component; NaN where absent."""
         return self._run.outputs
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Motion, (self._run if isinstance(self._run, _Numbers) else _Numbers.of(self._run),)
 
     def __getitem__(self, name: str) -> _Array:
         if name == "t":

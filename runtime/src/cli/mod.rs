@@ -57,7 +57,7 @@ use crate::mechanism::System;
 use context::Context;
 
 pub use problem::Problem;
-pub use session::{Answer, LoadError, Session, Simulated, stated_name};
+pub use session::{Answer, Kept, LoadError, Session, Simulated, stated_name};
 
 /// A model that goes by its name.
 #[derive(Clone, Copy)]

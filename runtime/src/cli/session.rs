@@ -5,12 +5,14 @@
 
 use std::fmt;
 use std::ops::ControlFlow;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use clap::ArgMatches;
 use dalembert_symbolic::diagnose;
 use dalembert_symbolic::file::{Node, read, render};
+use dalembert_symbolic::model::Files;
 use serde_json::Value;
 
 use super::load::{Loaded, ModelFile};
@@ -27,6 +29,22 @@ pub struct Session {
     kept: Loaded,
     warnings: String,
     warned: String,
+}
+
+/// All that a model is loaded from.
+pub struct Kept {
+    /// The name it goes by.
+    pub name: String,
+    /// Where its file was.
+    pub path: String,
+    /// What stood in it.
+    pub source: String,
+    /// Sizes other than the file's.
+    pub sizes: Vec<(String, i64)>,
+    /// The folder beside which files stand that it names.
+    pub folder: Option<PathBuf>,
+    /// These files with their texts.
+    pub files: Vec<(PathBuf, String)>,
 }
 
 /// The name that the text of a model states.
@@ -108,6 +126,22 @@ impl Session {
     ) -> Result<Session, LoadError> {
         let (name, path, source) = (name.to_owned(), format!("{name}.yaml"), text.to_owned());
         Session::of(models, &ModelFile::of(name, path, source, sizes))
+    }
+
+    /// The model that [`Session::kept`] told, wherever the process works and whatever became of its files.
+    ///
+    /// # Errors
+    /// [`LoadError::Wrong`].
+    pub fn restored(models: &'static [Entry], kept: Kept) -> Result<Session, LoadError> {
+        let Kept { name, path, source, sizes, folder, files } = kept;
+        let files = Files { folder, kept: files.into() };
+        Session::of(models, &ModelFile { name, path, source, sizes, files })
+    }
+
+    /// What it was loaded from.
+    pub fn kept(&self) -> Kept {
+        let ModelFile { name, path, source, sizes, files } = self.kept.file();
+        Kept { name, path, source, sizes, folder: files.folder, files: files.kept.to_vec() }
     }
 
     fn of(models: &'static [Entry], file: &ModelFile) -> Result<Session, LoadError> {
