@@ -492,7 +492,8 @@ impl fmt::Display for Cause {
             Cause::UndecidedContacts { found } => write!(
                 f,
                 "undecided contacts: {count} combinations of what contacts do agree with the forces here ({list}), and none of them is the \
-                 present one (Painlevé); let the contact be less rough, or start with one of them as `phase`",
+                 present one, as where a rod jams (Painlevé), or where several share what presses them in more than one way; let the contact be less \
+                 rough, or fewer of them press",
                 count = found.len(),
                 list = found.join("; ")
             ),

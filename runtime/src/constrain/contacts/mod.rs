@@ -239,7 +239,10 @@ impl Situation {
         };
         let active: Vec<usize> = rows_in_force(system).collect();
         let basis = matrix.select_rows(&active).transpose();
-        let held = |row: u32| is_held(&matrix, (&basis, &active), row as usize, (&driven, &terms)).unwrap_or(false);
+        let mut bias = vec![0.0; triples.len()];
+        system.constraint_bias(at, &mut bias);
+        let rates = Rates { driven: &driven, terms: &terms, bias: &bias };
+        let held = |row: u32| is_held(&matrix, (&basis, &active), row as usize, &rates).unwrap_or(false);
         let within = closed_within(system, at, scales);
         let closed = |row: Option<u32>| row.is_none_or(|row| triples[row as usize][0].abs() <= within[row as usize]);
         Situation {
@@ -259,17 +262,31 @@ impl Situation {
     }
 }
 
-/// Whether the rows in force keep the rate of another one at zero: J_t = Σ c_k J_k, and what of the rate no speed makes is zero in this sum, too.
+/// What is known of the rates of rows.
+struct Rates<'a> {
+    /// What of a rate no speed makes.
+    driven: &'a dyn Fn(usize) -> f64,
+    /// The sum of the sizes of all that makes it.
+    terms: &'a dyn Fn(usize) -> f64,
+    /// γ of c'' = J a + γ.
+    bias: &'a [f64],
+}
+
+/// Whether the rows in force keep the rate of another one at zero: J_t = Σ c_k J_k, and what of the rate no speed makes is zero in this sum, too; and not
+/// for this instant alone, as that of a piston at its dead centre, γ_t = Σ c_k γ_k.
 fn is_held(
     matrix: &DMatrix<f64>,
     (basis, active): (&DMatrix<f64>, &[usize]),
     row: usize,
-    (driven, terms): (&dyn Fn(usize) -> f64, &dyn Fn(usize) -> f64),
+    Rates { driven, terms, bias }: &Rates<'_>,
 ) -> Option<bool> {
     let own = matrix.row(row).transpose();
     let parts = solve_least(basis, &DMatrix::from_column_slice(own.len(), 1, own.as_slice()))?;
     let missed = (&own - basis * &parts).amax();
     let rest = active.iter().zip(&parts).fold(driven(row), |rest, (k, part)| rest - part * driven(*k));
     let size = active.iter().zip(&parts).fold(terms(row), |size, (k, part)| size + part.abs() * terms(*k));
-    Some(missed <= IN_SPAN * own.amax() && rest.abs() <= STILL * size)
+    let bent = active.iter().zip(&parts).map(|(k, part)| part * bias[*k]);
+    let (bent, most) = bent.fold((bias[row], bias[row].abs()), |(rest, size), term| (rest - term, size + term.abs()));
+    let lasts = bent.abs() <= IN_SPAN * most;
+    Some(missed <= IN_SPAN * own.amax() && rest.abs() <= STILL * size && lasts)
 }

@@ -139,12 +139,10 @@ pub(crate) fn strike(system: &mut dyn System, moment: &Moment<'_>, slow: &[f64])
     if !collision.approaches(&collision.before) && !collision.hops_are_lost() {
         return Ok(None);
     }
-    let impulses = struck(system, moment, &collision).map_err(|cause| {
-        // Why nothing is decided may be what the file says of friction.
-        let touches: Vec<bool> =
-            (0..situation.modes.len()).map(|k| situation.modes[k].touches() || situation.closed[k]).collect();
-        possible_limits_of(system, (t, y), &touches).err().unwrap_or(cause)
-    })?;
+    let touches: Vec<bool> =
+        (0..situation.modes.len()).map(|k| situation.modes[k].touches() || situation.closed[k]).collect();
+    possible_limits_of(system, (t, y), &touches)?;
+    let impulses = struck(system, moment, &collision)?;
     collision.outcome(system, &impulses).map(Some)
 }
 

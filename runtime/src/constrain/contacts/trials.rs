@@ -7,10 +7,13 @@ use super::share::with_shares;
 use super::{held_direction, hold_direction};
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{constraint_matrix, mass_matrix};
-use crate::mechanism::{At, ContactEvent, ContactMode, System};
+use crate::mechanism::{At, ContactEvent, ContactMode, Enforcement, System, rows_in_force};
 
 /// A force, or an acceleration, below this part of the largest under any combination is zero.
 const NOTHING: f64 = 1e-10;
+/// A row in force of which more than this part of the largest acceleration is left is not met: it depends on others that ask for something else, as the
+/// rate of a piston at its dead centre.
+const MET: f64 = 1e-7;
 /// Accelerations that differ by less than this part of the largest are the same motion.
 const ALIKE: f64 = 1e-8;
 
@@ -175,6 +178,13 @@ pub(super) fn trial_of(
 ) -> Option<Trial> {
     let Motion { a, lambda, second, terms } = Motion::of(system, (t, y))?;
     let contacts = &system.contacts().all;
+    // Where all rests accelerations are rounding, beside what forces would make of them.
+    let size = |row: usize| terms[row].max((compliance[row] * lambda[row]).abs());
+    let scale = rows_in_force(system).map(size).fold(0.0, f64::max);
+    let met = rows_in_force(system).all(|row| second[row].abs() <= MET * scale);
+    if system.enforcement() == Enforcement::Multipliers && !met {
+        return None;
+    }
     let at = At::packed(t, y, system.len());
     let sign = |kind: Kind, row: usize, value: f64| Sign { kind, value, terms: terms[row] };
     let margins = margins(system, at.accelerated(&a).constrained(&lambda));
