@@ -18,6 +18,6 @@ pub(crate) use drift::Monitor;
 pub(crate) use ends::ends_that_meet;
 pub(crate) use gimbals::{GimbalGuard, explain_lock, lock_here};
 pub(crate) use inertia::{InertiaGuard, inertia_condition, positive_inertia};
-pub(crate) use reactions::not_unique;
+pub(crate) use reactions::{deciding, not_unique};
 pub(crate) use stability::{Watchman, all_rates, check_step, rates};
 pub use warning::{Loss, Warning};

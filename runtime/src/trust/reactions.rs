@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::matrix::svd;
-use crate::mechanism::dense::multiplier_effects;
+use crate::mechanism::dense::{constraint_matrix, multiplier_effects};
 use crate::mechanism::{At, Enforcement, System, rows_in_force};
 
 /// A combination of multipliers does nothing whose effect is below this part of the largest.
@@ -35,6 +35,29 @@ pub(crate) fn not_unique<S: System + ?Sized>(system: &S, t: f64, y: &[f64]) -> V
         (line * &idle).amax() > NOTHING * line.amax()
     };
     (0..by_multipliers.nrows()).filter(changes).collect()
+}
+
+/// The constraints in force of which friction is made, and whose share of a force is not determined, though the motion depends on it: multipliers w
+/// with Jᵀ w = 0 and (Jᵀ + B) w ≠ 0.
+pub(crate) fn deciding<S: System + ?Sized>(system: &S, t: f64, y: &[f64]) -> Vec<String> {
+    let description = system.description();
+    let active: Vec<usize> = rows_in_force(system).collect();
+    let rank = description.phases.get(system.phase()).map_or(active.len(), |phase| phase.rank as usize);
+    if rank >= active.len() || description.friction_pattern.is_empty() {
+        return Vec::new();
+    }
+    let at = At::packed(t, y, system.len());
+    let effects = multiplier_effects(system, at, &active);
+    let Some(idle) = idle_combinations(&constraint_matrix(system, at, &active).transpose()) else { return Vec::new() };
+    let moves = |combination: &usize| {
+        let w = idle.column(*combination);
+        let terms: f64 = effects.column_iter().zip(w.iter()).map(|(effect, w)| effect.norm() * w.abs()).sum();
+        (&effects * w).norm() > NOTHING * terms
+    };
+    let moving: Vec<usize> = (0..idle.ncols()).filter(moves).collect();
+    let largest = idle.amax();
+    let takes_part = |k: &usize| moving.iter().any(|combination| idle[(*k, *combination)].abs() > NOTHING * largest);
+    (0..active.len()).filter(takes_part).map(|k| description.rows[active[k]].name.to_string()).collect()
 }
 
 /// Combinations of columns, as columns, that are 0.

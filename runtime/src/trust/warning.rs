@@ -67,6 +67,12 @@ pub enum Warning {
         /// The outputs, component by component.
         outputs: Vec<String>,
     },
+    /// Constraints depend on each other at the end of the run, and friction is made of their reactions: how they share a force is not determined, and
+    /// the motion depends on it.
+    MotionNotUnique {
+        /// The constraints.
+        constraints: Vec<String>,
+    },
     /// The motion passed a place where its constraints depend on each other; it kept the branch that continues its speeds.
     SingularPassed {
         /// When, s.
@@ -320,6 +326,12 @@ impl fmt::Display for Warning {
                 "the reactions in `{}` are not unique, since constraints depend on each other: one of all shares that give this motion is told; \
                  `check` names the constraints",
                 outputs.join("`, `")
+            ),
+            Warning::MotionNotUnique { constraints } => write!(
+                f,
+                "the motion is one of several: how `{}` share a force is not determined, since they depend on each other, and friction is made of \
+                 their reactions; let fewer of them hold, or let them give way by springs",
+                constraints.join("`, `")
             ),
             Warning::SingularPassed { t } => write!(
                 f,

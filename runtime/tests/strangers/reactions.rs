@@ -74,3 +74,31 @@ outputs: {{U: reaction(up){outputs}}}\nscene: {{start: {{A': [0, 0, 2]}}, guess:
     assert_eq!(both, ["U.x", "U.y", "U.z"]);
     assert_eq!(told(&door("", "")), [""; 0]);
 }
+
+/// A block between guides that press twice: what friction takes depends on which of both presses where they are unlike.
+#[test]
+fn a_motion_that_a_share_decides_is_one_of_several() {
+    let block = |rough: [f64; 2], twice: &str| {
+        format!(
+            "name: Guided\nparameters: {{m: 2 kg, mu1: {}, mu2: {}, g: 9.81 m/s^2}}\ncoordinates: {{x: m, y: m}}\n\
+             bodies: {{b: {{mass: m, position: '[x, y]'}}}}\ngravity: [0, -g]\nconstraints: {{c1: y{twice}}}\n\
+             forces:\n  f1: {{on: b, force: '[-mu1*reaction(c1), 0]'}}\n  f2: {{on: b, force: '[-mu2*2*reaction({}), 0]'}}\n\
+             scene: {{start: {{x': 3}}, until: 0.4}}\n",
+            rough[0],
+            rough[1],
+            if twice.is_empty() { "c1" } else { "c2" }
+        )
+    };
+    let told = |text: &str| {
+        let run = case(text).run();
+        let told = run.warnings.iter().find_map(|warning| match warning {
+            Warning::MotionNotUnique { constraints } => Some(constraints.clone()),
+            _ => None,
+        });
+        told.unwrap_or_default()
+    };
+    assert_eq!(told(&block([0.1, 0.5], ", c2: 2*y")), ["c1", "c2"]);
+    // Alike, or alone, they leave the motion as it is.
+    assert_eq!(told(&block([0.3, 0.3], ", c2: 2*y")), [""; 0]);
+    assert_eq!(told(&block([0.1, 0.5], "")), [""; 0]);
+}
