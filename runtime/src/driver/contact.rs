@@ -7,7 +7,7 @@ use crate::constrain::{
     Change, Kinematics, Moment, Strike, Turned, VelocityJump, closed_within, follow_directions, is_released,
     kinematics, possible_limits, settle, strike, turned, velocity_jump,
 };
-use crate::events::{Log, begin_at, begin_at_state};
+use crate::events::Log;
 use crate::mechanism::{At, ContactEvent, System};
 use crate::run::Recorder;
 
@@ -146,21 +146,6 @@ impl Integration {
         kinematics(system, At::packed(self.clock.now(), self.stepper.start().y, system.len()))
     }
 
-    /// Follows changed clocks, and decides what all contacts do after a change by hand, before which their sides were placed and moved like this.
-    pub fn changed_by_hand(
-        &mut self,
-        system: &mut dyn System,
-        before: &[Kinematics],
-        recorder: &mut Recorder,
-    ) -> Result<(), Box<Cause>> {
-        self.ticks.follow(system, self.clock.now());
-        if !before.is_empty() {
-            begin_at(system, self.clock.now(), self.stepper.start().y);
-            self.settle_after(system, Change::ByHand(before, begin_at_state), recorder)?;
-        }
-        Ok(())
-    }
-
     /// Decides what all contacts do where forces jumped without an event of theirs, and maybe gaps and rates, which were these; true where
     /// any does something else from here on.
     pub(super) fn settle_contacts(
@@ -173,7 +158,7 @@ impl Integration {
     }
 
     /// Decides what all contacts do after a change that is no event of theirs; true where any does something else from here on.
-    fn settle_after(
+    pub(super) fn settle_after(
         &mut self,
         system: &mut dyn System,
         change: Change<'_>,

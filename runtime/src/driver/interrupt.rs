@@ -4,7 +4,7 @@ use super::plan::UNEVEN;
 use super::{Integration, Step, StepPolicy, StopReason, finite};
 use crate::cause::Cause;
 use crate::constrain::Kinematics;
-use crate::events::{Crossing, EventLocator, Fired, Impulse, Interruption, Switched, impulse};
+use crate::events::{Crossing, EventLocator, Fired, Impulse, Interruption, Switched};
 use crate::mechanism::{Action, System};
 use crate::run::Recorder;
 
@@ -206,7 +206,7 @@ impl Integration {
         Ok(true)
     }
 
-    /// Switches what is on its surface at the present state, and lets inputs that turn or jump there kick; returns
+    /// Switches what is on its surface at the present state, and lets inputs that turn or jump there act on the speeds; returns
     /// whether anything was.
     fn switch(
         &mut self,
@@ -225,7 +225,7 @@ impl Integration {
         if resume > now {
             self.clock.set(resume);
         }
-        self.kick(impulse, recorder);
+        self.apply_impulse(impulse, recorder);
         let late = resume - now;
         self.apply_velocity_jump(system, late, recorder)?;
         let (q, v) = self.stepper.state_mut().split_at_mut(n);
@@ -237,24 +237,8 @@ impl Integration {
         Ok(true)
     }
 
-    /// Lets the speeds jump where inputs were changed by hand from the first to the second of these, (u, u', u'') of each; T was `kinetic` before.
-    ///
-    /// # Errors
-    /// What would need an infinite force.
-    pub fn inputs_changed(
-        &mut self,
-        system: &mut dyn System,
-        (before, after): (&[f64], &[f64]),
-        kinetic: f64,
-        recorder: &mut Recorder,
-    ) -> Result<(), Box<Cause>> {
-        let (now, y) = (self.clock.now(), self.stepper.start().y);
-        let impulse = impulse(system, (now, y), before, after, kinetic)?;
-        self.kick(impulse, recorder);
-        self.apply_velocity_jump(system, 0.0, recorder)
-    }
-
-    fn kick(&mut self, impulse: Option<Impulse>, recorder: &mut Recorder) {
+    /// Lets the speeds jump, and writes that down.
+    pub(super) fn apply_impulse(&mut self, impulse: Option<Impulse>, recorder: &mut Recorder) {
         let Some(impulse) = impulse else { return };
         let n = impulse.jump.len();
         self.stepper.state_mut()[n..].iter_mut().zip(&impulse.jump).for_each(|(v, jump)| *v += jump);

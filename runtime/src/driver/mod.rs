@@ -9,10 +9,11 @@
 //!    ends: `between.rs`; rounding that looks like errors: `noise.rs`.
 //! 3. Constraints at the ends of steps: `constraints.rs`; phases and impacts: `phase.rs`; contacts: `contact.rs`; what follows at
 //!    one instant: `act.rs`.
-//! 4. Events where a motion starts and ends: `start.rs`; ticks, and what events set: `set.rs`; mechanisms that stand still: `rest.rs`.
+//! 4. Events where a motion starts and ends: `start.rs`; what is changed by hand: `by_hand.rs`; ticks, and what events set: `set.rs`; mechanisms that stand still: `rest.rs`.
 
 mod act;
 mod between;
+mod by_hand;
 mod constraints;
 mod contact;
 mod first;
@@ -363,14 +364,6 @@ impl Integration {
             samples: self.work.samples + self.locator.as_ref().map_or(0, |locator| locator.samples()),
             ..self.work
         }
-    }
-
-    /// As [`Integration::begin`] after a change by hand, with the length of step that suited the motion before: the error test judges it.
-    pub fn go_on(&mut self, system: &mut dyn System, until: f64) -> Result<(), Box<Cause>> {
-        let h = self.h;
-        self.begin(system, until)?;
-        self.h = h;
-        Ok(())
     }
 
     /// Begins at the present state a motion that goes on to `until` at most: watches it, chooses the modes.

@@ -2,6 +2,7 @@
 
 use super::{Integration, StopReason};
 use crate::cause::Cause;
+use crate::constrain::with_shares;
 use crate::events::{EventLocator, Fired};
 use crate::mechanism::{At, System, Target, Trigger};
 use crate::run::Recorder;
@@ -119,8 +120,7 @@ fn assignments(system: &dyn System, (t, y): (f64, &[f64])) -> Result<Vec<f64>, B
     let (mut a, mut lambda) = (vec![0.0; n], vec![0.0; system.description().rows.len()]);
     let at = At::packed(t, y, n);
     if sampling.sets_use_accelerations {
-        system
-            .accelerations_and_multipliers(at, &mut a, &mut lambda)
+        (a, lambda) = with_shares(system, at)
             .map_err(|fault| crate::integrate::StepFailure::from(fault).cause(system.description()))?;
     }
     system.assignments(at.accelerated(&a).constrained(&lambda), &mut values);

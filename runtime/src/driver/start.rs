@@ -19,6 +19,14 @@ pub(super) enum Starting {
 }
 
 impl Integration {
+    /// As [`Integration::begin`] after a change by hand, with the length of step that suited the motion before: the error test judges it.
+    pub fn go_on(&mut self, system: &mut dyn System, until: f64) -> Result<(), Box<Cause>> {
+        let h = self.h;
+        self.begin(system, until)?;
+        self.h = h;
+        Ok(())
+    }
+
     /// As [`Integration::go_on`] where nothing was changed: what was past a zero has fired.
     pub fn prolong(&mut self, system: &mut dyn System, until: f64) -> Result<(), Box<Cause>> {
         self.go_on(system, until)?;

@@ -1,7 +1,7 @@
 //! Event functions and arguments of switches at states and along steps.
 
 use super::certify::Sample;
-use crate::constrain::{Moment, approaches, closed_within, shares, where_shared};
+use crate::constrain::{Moment, approaches, closed_within, where_shared};
 use crate::integrate::Segment;
 use crate::mechanism::dense::constraint_triples;
 use crate::mechanism::sliding::fractions;
@@ -275,12 +275,7 @@ impl Sampler {
         theta: f64,
     ) -> (f64, f64) {
         let slides = self.switch(function).is_some_and(|switch| system.sliding().contains(&switch));
-        let is_shared = || slips(system, function).is_some() && shares(system, At::packed(segment.t, &self.y, self.n));
-        let rated = if slides || is_shared() {
-            Rated::Unknown
-        } else {
-            self.rated.get(function).copied().unwrap_or(Rated::Whole)
-        };
+        let rated = if slides { Rated::Unknown } else { self.rated.get(function).copied().unwrap_or(Rated::Whole) };
         if rated == Rated::Held {
             self.along(system, segment, theta);
             if let Some(rate) = self.rate_of_solved(system, segment.t + theta * segment.h, function, segment.h) {
@@ -435,9 +430,12 @@ impl Sampler {
         let at = At::packed(t, y, self.n).accelerated(&self.a);
         let (events, switches) = self.pairs.split_at_mut(2 * self.events);
         if self.events > 0 {
-            system.events(at, events);
+            // What is shared has the share that keeps it longest.
+            match where_shared(system, at) {
+                Some((_, lambda)) => system.events(at.constrained(&lambda), events),
+                None => system.events(at, events),
+            }
             system.event_rates(at, &mut self.rates);
-            slips_of_shares(system, at, events);
         }
         if self.switches > 0 {
             system.switches(at, switches);
@@ -449,23 +447,6 @@ impl Sampler {
                 }
             }
         }
-    }
-}
-
-/// The contact whose slipping is an event.
-fn slips<S: System + ?Sized>(system: &S, event: usize) -> Option<usize> {
-    let [Action::Contact(contact)] = system.description().events.get(event)?.actions[..] else { return None };
-    let contact = contact as usize;
-    (system.contacts().all[contact].happened(event) == Some(ContactEvent::Slips)).then_some(contact)
-}
-
-/// Puts the functions of events at which contacts slip that share a force, with the shares that keep them longest, in the place of those of any.
-fn slips_of_shares<S: System + ?Sized>(system: &S, at: At<'_>, pairs: &mut [f64]) {
-    let Some((a, lambda)) = where_shared(system, at) else { return };
-    let mut shared = vec![0.0; pairs.len()];
-    system.events(at.accelerated(&a).constrained(&lambda), &mut shared);
-    for event in (0..pairs.len() / 2).filter(|event| slips(system, *event).is_some()) {
-        pairs[2 * event] = shared[2 * event];
     }
 }
 

@@ -89,8 +89,10 @@ impl Run {
             let (system, y) = own.state(step, t);
             let modes = system.contacts().modes(system.phase());
             let at = At::packed(t, y, n);
-            let solved = if modes.contains(&ContactMode::Sticks) { with_shares(system, at) } else { None };
-            let Some((a, lambda)) = solved else { return };
+            if !modes.contains(&ContactMode::Sticks) {
+                return;
+            }
+            let Ok((a, lambda)) = with_shares(system, at) else { return };
             system.events(at.accelerated(&a).constrained(&lambda), &mut functions);
             for ((contact, mode), value) in contacts.iter().zip(&modes).zip(values) {
                 if let (ContactMode::Sticks, Some(event)) = (mode, contact.event(ContactEvent::Slips)) {

@@ -75,7 +75,7 @@ outputs: {{U: reaction(up){outputs}}}\nscene: {{start: {{A': [0, 0, 2]}}, guess:
     assert_eq!(told(&door("", "")), [""; 0]);
 }
 
-/// A block between guides that press twice: what friction takes depends on which of both presses where they are unlike.
+/// A block between guides that press twice: what friction takes depends on which of both presses where their coefficients differ.
 #[test]
 fn a_motion_that_a_share_decides_is_one_of_several() {
     let block = |rough: [f64; 2], twice: &str| {

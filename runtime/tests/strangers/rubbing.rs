@@ -440,6 +440,13 @@ fn two_feet_stick_until_both_are_at_their_limits() {
     assert!(held["x"] == 0.0 && (held["F1"] + 13.0).abs() < 1e-12 && (held["F2"] + 13.0).abs() < 1e-12, "{held}");
     let run = case(&SLED.replace("r*t", "27.5 N")).run();
     assert!((run.last()["x"] - (27.5 - 0.3 * weight) / 16.0).abs() < 1e-9, "{}", run.last());
+    // Events of reactions are of the share that is told.
+    let watched =
+        format!("{SLED}events: {{half: {{when: reaction(c1.friction) + F, direction: falling, then: record}}}}\n")
+            .replace("m: 8 kg", "m: 8 kg, F: 5 N");
+    let run = case(&watched).run();
+    let half = run.events.iter().find(|event| event.name == "half").expect("an event");
+    assert!((half.state.t - 0.25).abs() < 1e-9, "{half:?}");
     // Two carriages that a rod couples, each with its own friction.
     let coupled = "name: Coupled\nparameters: {m: 4 kg, L: 5 N, r: 40 N/s, l: 1 m}\ncoordinates: {x: m, w: m}\ninputs: {f: r*t}\n\
         bodies: {b: {mass: m, position: '[x, 0]'}, c: {mass: m, position: '[w, 1]'}}\nconstraints: {rod: w - x - l}\n\

@@ -127,7 +127,7 @@ pub(super) fn with_grain(
 pub(super) fn direction_of_force(system: &mut dyn System, contact: usize, (t, y): (f64, &[f64])) -> ContactMode {
     let row = system.contacts().all[contact].tangent.unwrap_or(0) as usize;
     let solved = with_shares(system, At::packed(t, y, system.len()));
-    let backwards = solved.is_some_and(|(_, lambda)| lambda[row] > 0.0);
+    let backwards = solved.is_ok_and(|(_, lambda)| lambda[row] > 0.0);
     if backwards { ContactMode::SlipsBackwards } else { ContactMode::SlipsForwards }
 }
 

@@ -18,7 +18,7 @@ mod trials;
 pub(crate) use directions::direction;
 pub(crate) use limits::possible_limits;
 pub(crate) use modes::{Change, Turned, is_released, settle, turned};
-pub(crate) use share::{shares, where_shared, with_shares};
+pub(crate) use share::{where_shared, with_shares};
 pub(crate) use strike::{Strike, strike};
 
 use nalgebra::DMatrix;

@@ -186,7 +186,7 @@ fn are_held_by_sliding(
     let at = At::packed(t, y, system.len());
     let solved = with_shares(system, at);
     system.set_phase(phase);
-    let (a, lambda) = solved?;
+    let (a, lambda) = solved.ok()?;
     system.set_phase(held);
     let rows = rows_in_force(system).collect();
     let margins = margins(system, at.accelerated(&a).constrained(&lambda));

@@ -9,45 +9,44 @@ use nalgebra::{DMatrix, DVector};
 use super::IN_SPAN;
 use crate::matrix::{solve_least, svd};
 use crate::mechanism::dense::constraint_matrix;
-use crate::mechanism::{At, ContactEvent, ContactMode, System, rows_in_force};
+use crate::mechanism::{At, ContactEvent, ContactMode, Singular, System, rows_in_force};
 
-/// Parts of limits that differ by this are the same.
+/// Sizes that exceed their bounds by less, in parts of a limit, are as good as met: some hundred roundings, beside which instants of slipping are known.
 const EXACT: f64 = 1e-13;
-/// A least-squares solution that misses by less meets its equations.
-const MET: f64 = 1e-9;
-/// Exchanges of active bounds, and bounds added to what is round, at most: some ten are needed.
+/// A least-squares solution that misses a sum of parts of 1 by less meets its equations: between rounding and the 1 by which others miss.
+const SOLVED: f64 = 1e-9;
+/// Exchanges of active bounds, and rounds in which bounds are added to what is round, at the most: where they do not come to an end, as by rounding, the
+/// best share so far is taken.
 const EXCHANGES: usize = 300;
-const BOUNDS: usize = 60;
-/// What holds nothing has this part of the largest limit.
+const ROUNDS: usize = 60;
+/// What can hold nothing has this part of the largest limit, so that it is given no force that another one can take.
 const LEAST: f64 = 1e-12;
 
-/// Accelerations and multipliers at a state, those of what sticks being shared so that the least part of any limit is needed; `None` where there are none.
-pub(crate) fn with_shares<S: System + ?Sized>(system: &S, at: At<'_>) -> Option<(Vec<f64>, Vec<f64>)> {
+/// Accelerations and multipliers at a state, those of what sticks being shared so that the least part of any limit is needed.
+///
+/// # Errors
+/// As [`System::accelerations`].
+pub(crate) fn with_shares<S: System + ?Sized>(system: &S, at: At<'_>) -> Result<(Vec<f64>, Vec<f64>), Singular> {
     shared(system, at, &groups(system, at))
 }
 
 /// The same where anything is shared.
 pub(crate) fn where_shared<S: System + ?Sized>(system: &S, at: At<'_>) -> Option<(Vec<f64>, Vec<f64>)> {
     let groups = groups(system, at);
-    if groups.is_empty() { None } else { shared(system, at, &groups) }
+    if groups.is_empty() { None } else { shared(system, at, &groups).ok() }
 }
 
-fn shared<S: System + ?Sized>(system: &S, at: At<'_>, groups: &[Group]) -> Option<(Vec<f64>, Vec<f64>)> {
+fn shared<S: System + ?Sized>(system: &S, at: At<'_>, groups: &[Group]) -> Result<(Vec<f64>, Vec<f64>), Singular> {
     let (mut a, mut lambda) = (vec![0.0; system.len()], vec![0.0; system.description().rows.len()]);
-    system.accelerations_and_multipliers(at, &mut a, &mut lambda).ok()?;
+    system.accelerations_and_multipliers(at, &mut a, &mut lambda)?;
     groups.iter().for_each(|group| group.share(system, at.accelerated(&a), &mut lambda));
-    Some((a, lambda))
-}
-
-/// Whether anything that sticks in the phase in force shares a force with others.
-pub(crate) fn shares<S: System + ?Sized>(system: &S, at: At<'_>) -> bool {
-    !groups(system, at).is_empty()
+    Ok((a, lambda))
 }
 
 /// Rows that depend on each other: of contacts that stick, along which they hold, and of constraints.
 struct Group {
     rows: Vec<usize>,
-    /// What multipliers of these rows, added together, do nothing: a column each.
+    /// Combinations of multipliers of these rows that do nothing together, a column each.
     idle: DMatrix<f64>,
     /// The contacts that stick among them.
     contacts: Vec<usize>,
@@ -208,7 +207,7 @@ fn least_largest(parts: &[Part]) -> Option<DVector<f64>> {
             }
         }
     }
-    for _ in 0..BOUNDS {
+    for _ in 0..ROUNDS {
         let largest = lowest(&bounds, &mut w)?;
         let count = bounds.len();
         for part in parts {
@@ -224,7 +223,7 @@ fn least_largest(parts: &[Part]) -> Option<DVector<f64>> {
     Some(w)
 }
 
-/// The lowest s that all bounds let be, from w on, by exchanges of those that are active (Best and Ritter, Linear Programming, 1985, ch. 3).
+/// The lowest s that all bounds let be, from w on, by exchanges of those that are active (Best and Ritter, Linear Programming, 1985).
 fn lowest(bounds: &[Bound], w: &mut DVector<f64>) -> Option<f64> {
     let height =
         |w: &DVector<f64>| bounds.iter().map(|bound| bound.at(w)).enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
@@ -236,10 +235,10 @@ fn lowest(bounds: &[Bound], w: &mut DVector<f64>) -> Option<f64> {
         let down = DMatrix::from_element(active.len(), 1, -1.0);
         let way: DVector<f64> = solve_least(&slopes, &down)?.column(0).into_owned();
         let missed = slopes.clone() * &way + DVector::from_element(active.len(), 1.0);
-        if missed.amax() <= MET {
+        if missed.amax() <= SOLVED {
             let step = |k: usize| {
                 let closes = bounds[k].slope.dot(&way) + 1.0;
-                (closes > MET).then(|| ((s - bounds[k].at(w)) / closes).max(0.0))
+                (closes > SOLVED).then(|| ((s - bounds[k].at(w)) / closes).max(0.0))
             };
             let others = (0..bounds.len()).filter(|k| !active.contains(k));
             let next = others.filter_map(|k| Some((k, step(k)?))).min_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -254,7 +253,7 @@ fn lowest(bounds: &[Bound], w: &mut DVector<f64>) -> Option<f64> {
         let right = DMatrix::from_fn(w.len() + 1, 1, |i, _| if i == w.len() { 1.0 } else { 0.0 });
         let weights = solve_least(&equations, &right)?;
         let (place, least) = weights.iter().copied().enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;
-        if least >= -MET {
+        if least >= -SOLVED {
             break;
         }
         active.remove(place);

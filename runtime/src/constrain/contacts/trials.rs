@@ -133,7 +133,7 @@ pub(super) fn against_forces(
     let solved = with_shares(system, At::packed(t, y, system.len()));
     let all = &system.contacts().all;
     let against = |k: &usize| match (&solved, all[*k].tangent) {
-        (Some((_, lambda)), Some(row)) => {
+        (Ok((_, lambda)), Some(row)) => {
             let force = [-lambda[row as usize], -lambda[row as usize + 1]];
             if force == [0.0; 2] { [1.0, 0.0] } else { along(force) }
         }
@@ -154,7 +154,7 @@ impl Motion {
     /// In the phase in force; `None` where there is none.
     pub fn of(system: &dyn System, (t, y): (f64, &[f64])) -> Option<Motion> {
         let at = At::packed(t, y, system.len());
-        let (a, lambda) = with_shares(system, at)?;
+        let (a, lambda) = with_shares(system, at).ok()?;
         let mut second = vec![0.0; lambda.len()];
         system.constraint_bias(at, &mut second);
         let mut values = vec![0.0; system.description().constraint_pattern.len()];
