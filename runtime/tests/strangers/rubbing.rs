@@ -457,6 +457,33 @@ fn two_feet_stick_until_both_are_at_their_limits() {
     assert!((last(coupled)["x"] - pushed(18.0, 15.0)).abs() < 1e-9, "{}", last(coupled));
 }
 
+/// A cabinet on two feet that a rope draws by jerks: u = v t − x swings about μ m g/k while it slides, and x' = 0 again where u' = v.
+#[test]
+fn two_feet_stick_again_together() {
+    let text = "name: Cabinet\nparameters: {m: 40 kg, k: 900 N/m, mu: 0.25, mus: 0.32, b: 0.4 m, h: 0.5 m, I: 4 kg*m^2, v: 0.2 m/s, g: 9.81 m/s^2}\n\
+        coordinates: {x: m, y: m, th: rad}\ninputs: {hand: v*t}\n\
+        points:\n  left: '[x, y] + b*[-cos(th), -sin(th)] - h*[-sin(th), cos(th)]'\n  \
+        right: '[x, y] + b*[cos(th), sin(th)] - h*[-sin(th), cos(th)]'\n  grip: '[x, y] - h/2*[-sin(th), cos(th)]'\n\
+        bodies: {box: {mass: m, inertia: I, angle: th, position: '[x, y]'}}\ngravity: [0, -g]\n\
+        springs: {rope: {stretch: hand - x, stiffness: k, on: box, at: grip, along: '[-1, 0]'}}\n\
+        contacts:\n  l: {gap: left.y, on: box, at: left, normal: '[0, 1]', friction: mu, static: mus}\n  \
+        r: {gap: right.y, on: box, at: right, normal: '[0, 1]', friction: mu, static: mus}\n\
+        scene: {start: {y: h}, until: 6, tolerance: 1e-11}\n";
+    let (k, v, weight) = (900.0, 0.2, 40.0 * 9.81_f64);
+    let (slides, w) = (0.25 * weight / k, (900.0_f64 / 40.0).sqrt());
+    let (swing, turn) = (0.07 * weight / k, v / w);
+    let slip = 2.0 * (std::f64::consts::PI - swing.atan2(turn)) / w;
+    let left = slides + swing * (w * slip).cos() + turn * (w * slip).sin();
+    let (first, stuck) = (0.32 * weight / (k * v), (slides + swing - left) / v);
+    let right: Vec<f64> = (0..4).map(|i| first + f64::from(i) * (slip + stuck)).flat_map(|t| [t, t + slip]).collect();
+    let run = case(text).run();
+    let found: Vec<f64> = run.events.iter().map(|event| event.state.t).collect();
+    assert_eq!(found.len(), 16, "{:?}", run.events.iter().map(|event| event.name.as_str()).collect::<Vec<_>>());
+    for (pair, right) in found.chunks(2).zip(right) {
+        assert!((pair[0] - right).abs() < 1e-8 && (pair[1] - right).abs() < 1e-8, "{pair:?} {right}");
+    }
+}
+
 #[test]
 fn feet_in_space_stick_until_all_are_at_their_limits() {
     let feet = |rub: &str, direction: &str| {

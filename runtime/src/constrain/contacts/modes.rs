@@ -263,8 +263,7 @@ pub(crate) fn is_released(system: &mut dyn System, moment: &Moment<'_>, contact:
 }
 
 /// Of several combinations in which all moves alike the one that agrees with the forces a moment later, too: how contacts share what holds them
-/// together is not determined, but some shares end at once.  Of several that do and then move otherwise one that sticks where others slide; the first
-/// where no moment tells.
+/// together is not determined, but some shares end at once.  Of several that last one that sticks where others slide.
 fn lasting<'a>(
     system: &mut dyn System,
     &Moment { t, y, step, .. }: &Moment<'_>,
@@ -273,7 +272,7 @@ fn lasting<'a>(
 ) -> &'a Trial {
     let n = system.len();
     if alike.len() == 1 || step == 0.0 {
-        return alike[0];
+        return sticking_most(alike, shared.known);
     }
     for ahead in AHEAD.map(|part| part * step) {
         let a = &alike[0].accelerations;
@@ -291,10 +290,9 @@ fn lasting<'a>(
         let all: Vec<Trial> = trials.iter().flatten().cloned().collect();
         let lasts = |trial: &Option<Trial>| trial.as_ref().is_some_and(|trial| agrees(trial, &all, None));
         let last: Vec<bool> = trials.iter().map(lasts).collect();
-        if let Some(first) = last.iter().position(|lasts| *lasts)
-            && last.contains(&false)
-        {
-            return alike[first];
+        if last.contains(&true) && last.contains(&false) {
+            let lasting = alike.iter().zip(&last).filter(|(_, lasts)| **lasts);
+            return sticking_most(&lasting.map(|(trial, _)| *trial).collect::<Vec<_>>(), shared.known);
         }
         // From here on they are different motions.
         let same = self::alike(&all);
@@ -305,5 +303,12 @@ fn lasting<'a>(
             return all.iter().position(|one| !gives_way(one)).map_or(alike[0], |first| alike[first]);
         }
     }
-    alike[0]
+    sticking_most(alike, shared.known)
+}
+
+/// The first of some trials that slides nowhere where another one sticks.
+fn sticking_most<'a>(trials: &[&'a Trial], known: &[Known]) -> &'a Trial {
+    let gives_way =
+        |one: &Trial| trials.iter().any(|other| other.modes != one.modes && one.slides_where_sticks(other, known));
+    trials.iter().copied().find(|one| !gives_way(one)).unwrap_or(trials[0])
 }
