@@ -93,7 +93,7 @@ impl Integration {
             }
             if self.defect_exceeds(system, step)? {
                 most = 0.5 * step.h;
-            } else if let Some(shorter) = self.passes_transient(step) {
+            } else if let Some(shorter) = self.passes_transient(system, step) {
                 most = shorter;
             } else if has_no_feature {
                 return Ok((step, true));
@@ -204,7 +204,7 @@ impl Integration {
 
     /// How long a step is to be, s, that passes over a transient at its start: of what decays at once its end tells where it goes, but its dense output
     /// swings on the way there. `None` where what the rate at the start would do differs from dense output by nothing that lasts.
-    fn passes_transient(&mut self, step: Step) -> Option<f64> {
+    fn passes_transient(&mut self, system: &dyn System, step: Step) -> Option<f64> {
         if !self.stepper.damps() {
             return None;
         }
@@ -217,14 +217,19 @@ impl Integration {
         // What the rate at the start does at once is gone through in this part of the step, by the fastest of all.
         let parts = (0..slope.len()).map(part).filter(|part| *part > 0.0 && *part < 0.5);
         let shorter = step.h * parts.fold(0.5, f64::min);
-        let exceeds = match &self.policy {
+        let exceeds = |integration: &Self| match &integration.policy {
             StepPolicy::Fixed(_) => false,
             StepPolicy::Adaptive { tolerance, .. } => (0..slope.len() / 2).any(|i| {
                 let n = slope.len() / 2;
+                let (start, end) = (integration.stepper.start(), integration.stepper.end());
                 // Units by the rate at the start would be those of the transient.
                 let units = tolerance.units_by_change(i, step.h, [i, n + i].map(|k| end.y[k] - start.y[k]));
                 slope[i].abs() > Defect::MOST * units[0] || slope[n + i].abs() > Defect::MOST * units[1]
             }),
+        };
+        let exceeds = exceeds(self) && {
+            self.forgive_noise(system, step, &slope);
+            exceeds(self)
         };
         (self.defect.y, self.defect.slope) = (y, slope);
         let resolved = RESOLVED * f64::EPSILON * self.clock.now().abs();

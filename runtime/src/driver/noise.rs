@@ -220,7 +220,7 @@ fn reacts(system: &dyn System) -> bool {
 }
 
 /// What the rounding of reactions leaves of accelerations: the least change that would bring them to the constraints, as far as M⁻¹ u |J|ᵀ |λ|
-/// explains it; `None` without constraints that are to be held exactly.
+/// explains it, or M⁻¹ u |B| |λ| of the friction that is made of them; `None` without constraints that are to be held exactly.
 fn by_reactions(system: &dyn System, at: At<'_>) -> Option<Vec<f64>> {
     let rows: Vec<usize> = rows_in_force(system).collect();
     if !reacts(system) {
@@ -238,10 +238,28 @@ fn by_reactions(system: &dyn System, at: At<'_>) -> Option<Vec<f64>> {
         solve_least(&(&matrix * &response), &DMatrix::from_column_slice(rows.len(), 1, missed.as_slice()))?;
     let change = response * multipliers;
     let sizes = DVector::from_fn(rows.len(), |k, _| f64::EPSILON * lambda[rows[k]].abs());
-    let forces = matrix.abs().transpose() * sizes;
-    let rounding = solve_least(&mass, &DMatrix::from_column_slice(forces.len(), 1, forces.as_slice()))?;
+    let moved_by =
+        |forces: DVector<f64>| solve_least(&mass, &DMatrix::from_column_slice(forces.len(), 1, forces.as_slice()));
+    let rounding = moved_by(matrix.abs().transpose() * &sizes)?;
+    // No constraint takes what rounding makes of friction.
+    let friction = moved_by(friction_of(system, at, &rows).abs() * sizes)?;
     let least = change.iter().zip(&rounding).map(|(change, rounding)| change.abs().min(rounding.abs()));
-    Some(least.map(|least| if least.is_finite() { least } else { 0.0 }).collect())
+    let noise = least.zip(&friction).map(|(least, friction)| least.max(friction.abs()));
+    Some(noise.map(|noise| if noise.is_finite() { noise } else { 0.0 }).collect())
+}
+
+/// B of these rows, n × m.
+fn friction_of(system: &dyn System, at: At<'_>, rows: &[usize]) -> DMatrix<f64> {
+    let pattern = &system.description().friction_pattern;
+    let mut values = vec![0.0; pattern.len()];
+    system.friction(at, &mut values);
+    let mut matrix = DMatrix::zeros(system.len(), rows.len());
+    for ((coordinate, row), value) in pattern.iter().zip(values) {
+        if let Some(k) = rows.iter().position(|active| *active == *row as usize) {
+            matrix[(*coordinate as usize, k)] += value;
+        }
+    }
+    matrix
 }
 
 /// The largest sizes of (u, u', u'') of each input that samples find between t and `until`: evenly spaced ones, and
