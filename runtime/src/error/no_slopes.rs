@@ -56,6 +56,11 @@ pub enum NoSlopes {
         /// s.
         t: f64,
     },
+    /// The motion depends on how constraints or contacts share a force that the equations leave open.
+    Shares {
+        /// They.
+        constraints: Vec<String>,
+    },
     /// An input turns sharply or jumps, and the speeds with it.
     Kick {
         /// s.
@@ -116,6 +121,11 @@ impl fmt::Display for NoSlopes {
                 f,
                 "contacts rebound or slip in an impact at t = {t} s, and the slopes of that are not known yet; two runs with --set tell a \
                  difference"
+            ),
+            NoSlopes::Shares { constraints } => write!(
+                f,
+                "it depends on how `{}` share a force that the equations leave open; let fewer of them hold",
+                constraints.join("`, `")
             ),
             NoSlopes::Kick { t } => {
                 write!(f, "an input turns sharply or jumps at t = {t} s, and the speeds jump with it")

@@ -9,6 +9,7 @@ use crate::integrate::Tolerance;
 use crate::mechanism::{At, Method, System};
 use crate::run::{Junction, Plan, Recorder, Run, Side};
 use crate::simulate::Interruption;
+use crate::trust::Warning;
 
 /// Columns at a time.
 #[derive(Clone, Debug)]
@@ -58,6 +59,13 @@ pub(super) fn follow(
     }
     if let Some(junction) = run.junctions.iter().find(|junction| junction.rebounds) {
         return Err(NoSlopes::Rebounds { t: junction.before.t });
+    }
+    let shared = run.warnings.iter().find_map(|warning| match warning {
+        Warning::MotionNotUnique { constraints, .. } => Some(constraints.clone()),
+        _ => None,
+    });
+    if let Some(constraints) = shared {
+        return Err(NoSlopes::Shares { constraints });
     }
     let junctions: Vec<Option<&Junction>> = run.junctions.iter().map(Some).chain([None]).collect();
     for junction in junctions {
