@@ -14,12 +14,12 @@ const FACTOR: f64 = 1.7;
 const UNCHANGED: f64 = 1e-25;
 
 /// The largest change of an acceleration, as a part of its terms, by another length of each rotation's quaternion; the length of one that
-/// matters is an error.
+/// matters is an error.  Nothing is asked where friction leaves many accelerations: which of them is found depends on everything.
 pub(super) fn lengths(model: &Model, motion: &Motion, states: &[State]) -> Result<Vec<(String, f64)>, Box<Problem>> {
     let mut found = Vec::new();
     for rotation in &model.rotations {
         let mut worst = 0.0;
-        for state in states {
+        for state in states.iter().filter(|state| !motion.constraints.leaves_open(state)) {
             let Some(changes) = changes(model, motion, rotation, state) else { continue };
             let Some((coordinate, change)) = changes.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
             if change > UNCHANGED {

@@ -219,6 +219,15 @@ impl Constraints {
         (rank, order.into_iter().map(|place| active[place]).collect())
     }
 
+    /// Whether friction is made of multipliers of rows that depend on each other at a state, so that the motion has many accelerations there.
+    pub fn leaves_open(&self, state: &State) -> bool {
+        let active = self.active(state.phase);
+        let rubs = || self.rubbing.iter().any(|(_, row)| active.contains(row));
+        rubs()
+            && self.rank(state).0 < active.len()
+            && self.held(state, active.to_vec()).friction.iter().any(|(_, _, x)| x.value != DoubleDouble::ZERO)
+    }
+
     /// Whether the rows of its phase nearly depend on each other at a state, or one of them nearly vanishes beside its terms.
     pub fn nearly_dependent(&self, state: &State) -> bool {
         let active = self.active(state.phase);
