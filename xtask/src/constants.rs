@@ -25,8 +25,9 @@ struct Tests {
     takes: Duration,
 }
 
-/// Changes the thresholds of these files one by one, and tells which changes no test noticed.
-pub fn study(files: &[&str]) -> Result<String, String> {
+/// Changes the thresholds of these files one by one, and tells which changes none of these programs of tests noticed, or none at all where none is named:
+/// `dalembert` are the tests in that crate, `strangers` those of a file or folder of that name.
+pub fn study(files: &[&str], programs: &[&str]) -> Result<String, String> {
     let copy = root().join("target/constants/workspace");
     copy_workspace(&copy)?;
     let mut names = Vec::new();
@@ -39,15 +40,13 @@ pub fn study(files: &[&str]) -> Result<String, String> {
         let crate_root = file.split_once("/src/").map(|(package, _)| format!("{package}/src/lib.rs"));
         add_reader(&copy.join(crate_root.ok_or_else(|| format!("{file} is not in a folder `src`"))?))?;
     }
-    let tests = tests(&copy)?;
+    let tests = tests(&copy, programs)?;
     let mut told = String::new();
     let mut unnoticed = 0;
     for name in &names {
         for factor in FACTORS {
             let noticed = tests.iter().find(|tests| !passes(tests, &format!("{name}={factor}"), PATIENCE));
-            let by =
-                noticed.and_then(|tests| tests.program.file_name()).map(|name| name.to_string_lossy().into_owned());
-            let by = by.as_deref().and_then(|name| name.rsplit_once('-')).map(|(name, _)| name.to_owned());
+            let by = noticed.map(|tests| name_of(&tests.program));
             eprintln!("{name} × {factor}: {}", by.as_deref().unwrap_or("no test"));
             if by.is_none() {
                 unnoticed += 1;
@@ -164,8 +163,14 @@ fn add_reader(crate_root: &Path) -> Result<(), String> {
     std::fs::write(crate_root, text + &reader).map_err(|error| error.to_string())
 }
 
-/// All programs of tests of the copy, built, the quickest first.
-fn tests(copy: &Path) -> Result<Vec<Tests>, String> {
+/// The name of a program of tests without what cargo adds to it.
+fn name_of(program: &Path) -> String {
+    let name = program.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    name.rsplit_once('-').map_or(name.clone(), |(name, _)| name.to_owned())
+}
+
+/// The programs of tests of the copy that have these names, or all, built, the quickest first.
+fn tests(copy: &Path, names: &[&str]) -> Result<Vec<Tests>, String> {
     let built = Command::new("cargo")
         .args(["test", "--workspace", "--no-run", "--message-format=json-render-diagnostics"])
         .current_dir(copy)
@@ -182,7 +187,8 @@ fn tests(copy: &Path) -> Result<Vec<Tests>, String> {
         else {
             continue;
         };
-        if message["profile"]["test"] == true {
+        let is_asked_for = names.is_empty() || names.contains(&name_of(Path::new(program)).as_str());
+        if message["profile"]["test"] == true && is_asked_for {
             let package = Path::new(manifest).parent().unwrap_or(copy).to_owned();
             tests.push(Tests { program: program.into(), package, takes: Duration::MAX });
         }
@@ -197,7 +203,11 @@ fn tests(copy: &Path) -> Result<Vec<Tests>, String> {
     }
     tests.retain(|one| one.takes < Duration::MAX);
     tests.sort_by_key(|one| one.takes);
-    Ok(tests)
+    if tests.is_empty() {
+        Err("no program of tests has such a name, and passes as it is".to_owned())
+    } else {
+        Ok(tests)
+    }
 }
 
 /// Whether tests pass with a threshold changed, in no more than so many times their usual time.

@@ -15,7 +15,7 @@ cargo xtask golden --record   write down what the program prints of every model 
 cargo xtask golden            compare with what was written down, and tell what differs
 cargo xtask book              build the book in docs/book as a web site, with mdBook
 cargo xtask page -o FOLDER     write dalembert.html there: the library in a browser, as one file
-cargo xtask constants FILES     change thresholds of these files, and tell which changes no test notices
+cargo xtask constants FILES [--by TESTS]  change thresholds of these files, and tell which changes none of these programs of tests notices, or none at all
 cargo xtask man -o FOLDER      write a man page of the program and of each of its commands there";
 
 /// The workspace's folder.
@@ -31,7 +31,10 @@ fn main() -> ExitCode {
         ["golden"] => golden::compare(),
         ["book"] => book::build(),
         ["page", "-o", folder] => page::build(folder),
-        ["constants", files @ ..] if !files.is_empty() => constants::study(files),
+        ["constants", arguments @ ..] if !arguments.is_empty() => {
+            let mut lists = arguments.split(|argument| *argument == "--by");
+            constants::study(lists.next().unwrap_or_default(), lists.next().unwrap_or_default())
+        }
         ["man", "-o", folder] => man::write(folder),
         _ => Err(USAGE.to_owned()),
     };
