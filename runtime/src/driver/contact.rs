@@ -4,12 +4,13 @@ use super::Integration;
 use super::phase::Done;
 use crate::cause::Cause;
 use crate::constrain::{
-    Change, Kinematics, Moment, Strike, Turned, VelocityJump, closed_within, follow_directions, is_released,
-    kinematics, possible_limits, settle, strike, turned, velocity_jump,
+    Change, Kinematics, Moment, Strike, Turned, VelocityJump, begins_stiffly, closed_within, follow_directions,
+    is_released, kinematics, possible_limits, settle, strike, turned, velocity_jump,
 };
 use crate::events::Log;
 use crate::mechanism::{At, ContactEvent, System};
 use crate::run::Recorder;
+use crate::trust::{Warning, deciding};
 
 /// Beside the largest gap that there was hops are lost that are lower by the square of this: so low that times at which geometric series of hops
 /// end are known before.
@@ -124,6 +125,41 @@ impl Integration {
             self.locator = Some(locator);
         }
         self.restart(system, recorder)
+    }
+
+    /// Looks at each combination of modes once: warns where the motion depends on how contacts or constraints share a force that the equations leave
+    /// open; true where something begins to slide so slowly that its direction is stiff.
+    pub(super) fn look_at_combination(&mut self, system: &dyn System, recorder: &mut Recorder) -> bool {
+        if system.description().friction_pattern.is_empty() {
+            return false;
+        }
+        let contacts = system.contacts();
+        let phase = match self.stepper.tally() {
+            None => system.phase(),
+            // Of many nothing is known but what each does alone.
+            Some(_) if contacts.are_single() => return false,
+            Some(tally) => {
+                let modes = contacts.all.iter().zip(&tally.contacts).map(|(contact, done)| contact.modes()[done.mode]);
+                contacts.phase(&modes.collect::<Vec<_>>())
+            }
+        };
+        if self.looked_at.replace(phase) == Some(phase) {
+            return false;
+        }
+        let other = (phase != system.phase()).then(|| {
+            let mut own = system.boxed_clone();
+            own.set_phase(phase);
+            own
+        });
+        let system = other.as_deref().unwrap_or(system);
+        let scales = self.scales(system);
+        let (t, y) = (self.clock.now(), self.stepper.start().y);
+        let moment = Moment { t, y, scales: &scales, fastest: &self.fastest, step: self.instant() };
+        let constraints = deciding(system, &moment);
+        if !constraints.is_empty() {
+            recorder.warn(Warning::MotionNotUnique { constraints, as_springs: !self.steps_over() });
+        }
+        self.leaves_where_stiff && begins_stiffly(system, &moment)
     }
 
     /// Whether steps go over contacts, of which no event is looked for.

@@ -138,6 +138,8 @@ pub(crate) struct Integration {
     impacts: Impacts,
     /// The largest speeds, where something may slide in space.
     fastest: Vec<f64>,
+    /// The combination of modes that was looked at last.
+    looked_at: Option<usize>,
     /// The instant of the last impact, with the state before it: its speeds tell how well the instant is known.
     struck: Option<(f64, Vec<f64>)>,
     cascade: EventCascade,
@@ -209,6 +211,7 @@ impl Integration {
             dwell: SingularDwell::default(),
             impacts: Impacts::default(),
             fastest: Vec::new(),
+            looked_at: None,
             struck: None,
             cascade: EventCascade::default(),
             rejected: Vec::with_capacity(y.len()),
@@ -483,7 +486,8 @@ impl Integration {
                 outcome => {
                     let is_stiff = self.look_for_stiffness(step, recorder);
                     let Outcome::Kept(stop_reason) = outcome? else { continue };
-                    if is_stiff && self.leaves_where_stiff {
+                    let begins_stiffly = self.look_at_combination(system, recorder);
+                    if is_stiff && self.leaves_where_stiff || begins_stiffly {
                         return Ok(StopReason::Stiff);
                     }
                     self.traced *= LONGER;

@@ -50,7 +50,7 @@ use crate::integrate::Tolerance;
 use crate::mechanism::{Action, Enforcement, Method, RowHistory, Stabilisation, System};
 use crate::run::{Failure, Names, Plan, Recorder, Run, State};
 use crate::stopwatch::Stopwatch;
-use crate::trust::{Warning, check_step, deciding, explain_lock, not_unique, positive_inertia};
+use crate::trust::{Warning, check_step, explain_lock, not_unique, positive_inertia};
 
 /// Runs a mechanism.
 ///
@@ -424,10 +424,6 @@ fn finish(system: &dyn System, integration: &Integration, mut recorder: Recorder
         let names = Names::of(system.description()).outputs;
         let outputs = outputs.into_iter().map(|place| names[place].clone()).collect();
         recorder.warn(Warning::ReactionsNotUnique { outputs });
-    }
-    let constraints = deciding(system, integration.time(), integration.state().y);
-    if !constraints.is_empty() {
-        recorder.warn(Warning::MotionNotUnique { constraints });
     }
     recorder.stepped_over(integration.tally());
     recorder.constrained(integration.residuals());

@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::constrain::{Moment, resting_open};
 use crate::matrix::svd;
 use crate::mechanism::dense::{constraint_matrix, multiplier_effects};
 use crate::mechanism::{At, Enforcement, System, rows_in_force};
@@ -38,15 +39,18 @@ pub(crate) fn not_unique<S: System + ?Sized>(system: &S, t: f64, y: &[f64]) -> V
 }
 
 /// The constraints in force of which friction is made, and whose share of a force is not determined, though the motion depends on it: multipliers w
-/// with Jᵀ w = 0 and (Jᵀ + B) w ≠ 0.
-pub(crate) fn deciding<S: System + ?Sized>(system: &S, t: f64, y: &[f64]) -> Vec<String> {
+/// with Jᵀ w = 0 and (Jᵀ + B) w ≠ 0.  Contacts take part that count as open, though others hold them closed.
+pub(crate) fn deciding<S: System + ?Sized>(system: &S, moment: &Moment<'_>) -> Vec<String> {
     let description = system.description();
-    let active: Vec<usize> = rows_in_force(system).collect();
+    let mut active: Vec<usize> = rows_in_force(system).collect();
     let rank = description.phases.get(system.phase()).map_or(active.len(), |phase| phase.rank as usize);
-    if rank >= active.len() || description.friction_pattern.is_empty() {
+    let open = resting_open(system, moment);
+    if rank >= active.len() && open.is_empty() {
         return Vec::new();
     }
-    let at = At::packed(t, y, system.len());
+    active.extend(open);
+    active.sort_unstable();
+    let at = At::packed(moment.t, moment.y, system.len());
     let effects = multiplier_effects(system, at, &active);
     let Some(idle) = idle_combinations(&constraint_matrix(system, at, &active).transpose()) else { return Vec::new() };
     let moves = |combination: &usize| {

@@ -67,11 +67,13 @@ pub enum Warning {
         /// The outputs, component by component.
         outputs: Vec<String>,
     },
-    /// Constraints depend on each other at the end of the run, and friction is made of their reactions: how they share a force is not determined, and
-    /// the motion depends on it.
+    /// Constraints, or contacts, depend on each other, and friction is made of their reactions: how they share a force is not determined, and the motion
+    /// depends on it.
     MotionNotUnique {
         /// The constraints.
         constraints: Vec<String>,
+        /// Whether they share it as springs would that are alike at all; where steps go over contacts they do not.
+        as_springs: bool,
     },
     /// The motion passed a place where its constraints depend on each other; it kept the branch that continues its speeds.
     SingularPassed {
@@ -327,11 +329,16 @@ impl fmt::Display for Warning {
                  `check` names the constraints",
                 outputs.join("`, `")
             ),
-            Warning::MotionNotUnique { constraints } => write!(
+            Warning::MotionNotUnique { constraints, as_springs } => write!(
                 f,
                 "the motion is one of several: how `{}` share a force is not determined, since they depend on each other, and friction is made of \
-                 their reactions; let fewer of them hold, or let them give way by springs",
-                constraints.join("`, `")
+                 their reactions; they share it {}; let fewer of them hold, or write such springs",
+                constraints.join("`, `"),
+                if *as_springs {
+                    "as springs would that are alike at all"
+                } else {
+                    "in one of many ways, others than springs would"
+                }
             ),
             Warning::SingularPassed { t } => write!(
                 f,

@@ -3,13 +3,9 @@
 use std::sync::Arc;
 
 use dalembert::mechanism::{Interpreted, System};
-use dalembert::{Cause, Error, Simulation, Stepping};
-use dalembert_symbolic::lower::compile;
+use dalembert::{Cause, Error, Stepping};
 
-fn simulation(text: &str) -> Simulation<Interpreted> {
-    let program = compile(text, &[]).unwrap_or_else(|problems| panic!("{text}: {problems:?}"));
-    Simulation::new(Interpreted::new(program, text))
-}
+use super::simulation;
 
 fn by_hand(text: &str) -> Stepping<Interpreted> {
     simulation(text).by_hand().unwrap_or_else(|error| panic!("{error}"))

@@ -23,6 +23,7 @@ mod reactions;
 mod rotations;
 mod rubbing;
 mod second_runs;
+mod shared;
 mod slow;
 mod starts;
 mod strikes;
@@ -34,7 +35,7 @@ mod zero;
 use std::path::{Path, PathBuf};
 
 use dalembert::mechanism::{Interpreted, System};
-use dalembert::{Error, Run, Settings, simulate};
+use dalembert::{Error, Run, Settings, Simulation, simulate};
 use dalembert_symbolic::lower::compile;
 
 /// A model file that nobody compiled, with the settings of its default scene.
@@ -61,6 +62,12 @@ fn case(text: &str) -> Case {
     let system = Interpreted::new(program, text);
     let settings = Settings::new(&system.scene(0));
     Case { system, settings }
+}
+
+/// A simulation of a model file's text.
+fn simulation(text: &str) -> Simulation<Interpreted> {
+    let program = compile(text, &[]).unwrap_or_else(|problems| panic!("{text}: {problems:?}"));
+    Simulation::new(Interpreted::new(program, text))
 }
 
 /// A model file of `tests/strangers`.

@@ -92,7 +92,7 @@ fn a_motion_that_a_share_decides_is_one_of_several() {
     let told = |text: &str| {
         let run = case(text).run();
         let told = run.warnings.iter().find_map(|warning| match warning {
-            Warning::MotionNotUnique { constraints } => Some(constraints.clone()),
+            Warning::MotionNotUnique { constraints, .. } => Some(constraints.clone()),
             _ => None,
         });
         told.unwrap_or_default()

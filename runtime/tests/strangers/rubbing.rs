@@ -499,7 +499,7 @@ fn feet_in_space_stick_until_all_are_at_their_limits() {
     };
     let weight = 8.0 * 9.81;
     for (rub, rubs) in [("friction: 0.3, static: 0.35", 0.3), ("friction: 0.35", 0.35)] {
-        for direction in [0.0, 0.5, 1.2_f64] {
+        for direction in [0.0, 0.3, 0.5, 0.7, 1.2, 1.4_f64] {
             let run = case(&feet(rub, &direction.to_string())).run();
             let last = run.last();
             let right = pushed(0.35 * weight, rubs * weight);

@@ -1,15 +1,8 @@
 //! Starts that a guess completes, and slopes at a start.
 
-use dalembert::mechanism::Interpreted;
-use dalembert::{Error, NoSlopes, Simulation};
-use dalembert_symbolic::lower::compile;
+use dalembert::{Error, NoSlopes};
 
-use super::{case, program, text_of};
-
-fn simulation(text: &str) -> Simulation<Interpreted> {
-    let program = compile(text, &[]).unwrap_or_else(|problems| panic!("{text}: {problems:?}"));
-    Simulation::new(Interpreted::new(program, text))
-}
+use super::{case, program, simulation, text_of};
 
 /// The place nearest to a guess is known to rounding, not to the root of it; the point of an ellipsoid by Lagrange's multiplier with 25 digits.
 #[test]

@@ -3,7 +3,7 @@
 use super::modes::Change;
 use super::share::with_shares;
 use super::{Kinematics, Moment, Situation, combinations};
-use crate::mechanism::{At, ContactEvent, ContactMode, System};
+use crate::mechanism::{At, Contact, ContactEvent, ContactMode, System};
 
 /// What begins to slide has its direction until it is so many times faster than what it slides with at first, which is rounding.
 const BELOW: f64 = 1e3;
@@ -114,13 +114,18 @@ pub(super) fn with_grain(
     let mut pairs = vec![0.0; 2 * system.description().events.len()];
     system.events(at.accelerated(&a).constrained(&lambda), &mut pairs);
     for (known, contact) in known.iter_mut().zip(contacts.iter()).filter(|(_, contact)| contact.direction.is_some()) {
-        let Some(event) = contact.event(ContactEvent::Slips) else { continue };
-        let held: f64 = contact.tangents().map(|row| lambda[row as usize].powi(2)).sum();
-        let limit = (pairs[2 * event] + held).max(0.0).sqrt();
-        let most = contact.tangents().map(|row| compliance[row as usize]).fold(0.0, f64::max);
-        known.least = known.least.max(GRAIN * step * limit * most);
+        let slows = slowed(contact, (&pairs, &lambda), compliance);
+        known.least = known.least.max(GRAIN * step * slows);
     }
     known
+}
+
+/// By how much friction at its limit changes the sliding rate of a contact; `pairs` are of all events.
+pub(super) fn slowed(contact: &Contact, (pairs, lambda): (&[f64], &[f64]), compliance: &[f64]) -> f64 {
+    let Some(event) = contact.event(ContactEvent::Slips) else { return 0.0 };
+    let held: f64 = contact.tangents().map(|row| lambda[row as usize].powi(2)).sum();
+    let limit = (pairs[2 * event] + held).max(0.0).sqrt();
+    limit * contact.tangents().map(|row| compliance[row as usize]).fold(0.0, f64::max)
 }
 
 /// The direction in which a contact that sticks with all its force gives way: against the force.

@@ -20,6 +20,7 @@ pub(crate) use limits::possible_limits;
 pub(crate) use modes::{Change, Turned, is_released, settle, turned};
 pub(crate) use share::{where_shared, with_shares};
 pub(crate) use strike::{Strike, strike};
+pub(crate) use trials::begins_stiffly;
 
 use nalgebra::DMatrix;
 
@@ -115,6 +116,18 @@ pub(crate) fn follow_directions(system: &mut dyn System, moment: &Moment<'_>) ->
     let turned: Vec<usize> = turned.into_iter().filter(|k| !situation.still[*k][1]).collect();
     turned.iter().for_each(|k| hold_direction(system, *k, along(known[*k].sliding), situation.least[*k]));
     !turned.is_empty()
+}
+
+/// The rows of gaps that are closed and stay so, of contacts that count as open in the phase in force.
+pub(crate) fn resting_open<S: System + ?Sized>(system: &S, moment: &Moment<'_>) -> Vec<usize> {
+    let contacts = &system.contacts().all;
+    if !contacts.iter().any(|contact| contact.normal.is_some()) {
+        return Vec::new();
+    }
+    let situation = Situation::new(system, moment);
+    let rests = |k: &usize| !situation.modes[*k].touches() && situation.closed[*k] && situation.still[*k][0];
+    let rests = (0..contacts.len()).filter(rests);
+    rests.filter_map(|k| contacts[k].normal).map(|row| row as usize).collect()
 }
 
 /// Whether the sides of a contact approach, as far as rounding tells.

@@ -170,9 +170,9 @@ impl Part {
 }
 
 /// slope·w + value ≤ s.
-struct Bound {
-    slope: DVector<f64>,
-    value: f64,
+pub(super) struct Bound {
+    pub slope: DVector<f64>,
+    pub value: f64,
 }
 
 impl Bound {
@@ -195,9 +195,10 @@ fn least_largest(parts: &[Part]) -> Option<DVector<f64>> {
         rows.rows_mut(first, part.idle.nrows()).copy_from(&part.idle);
         first += part.idle.nrows();
     }
-    // Whatever the shares were: the least sum of squares.
-    let right = DMatrix::from_iterator(all.len(), 1, all.iter().map(|x| -x));
-    let mut w: DVector<f64> = solve_least(&rows, &right)?.column(0).into_owned();
+    // From the least sum of squares on; rows that are rounding count for nothing in it.
+    let svd = svd(rows, true, true)?;
+    let nothing = IN_SPAN * svd.singular_values.max();
+    let mut w: DVector<f64> = -svd.solve(&DVector::from_vec(all), nothing).ok()?;
     let mut bounds: Vec<Bound> = Vec::new();
     for part in parts {
         for axis in 0..part.force.len() {
@@ -224,7 +225,7 @@ fn least_largest(parts: &[Part]) -> Option<DVector<f64>> {
 }
 
 /// The lowest s that all bounds let be, from w on, by exchanges of those that are active (Best and Ritter, Linear Programming, 1985).
-fn lowest(bounds: &[Bound], w: &mut DVector<f64>) -> Option<f64> {
+pub(super) fn lowest(bounds: &[Bound], w: &mut DVector<f64>) -> Option<f64> {
     let height =
         |w: &DVector<f64>| bounds.iter().map(|bound| bound.at(w)).enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
     let (first, mut s) = height(w)?;
@@ -294,6 +295,23 @@ mod tests {
         let feet = [part(&[4.0, 3.0], &[&[-1.0], &[0.0]], 1.0), part(&[0.0, 1.0], &[&[1.0], &[0.0]], 1.0)];
         // 9 + p² = 1 + (4 − p)²: p = 1.
         assert!((largest(&feet) - 10.0_f64.sqrt()).abs() < 1e-12, "{}", largest(&feet));
+    }
+
+    /// Feet along x of which idle forces across are rounding of rounding: as equations they would ask for 10²⁷.
+    #[test]
+    fn what_is_rounding_moves_nothing() {
+        let feet = [
+            Part {
+                force: DVector::from_vec(vec![-1.427212141897822, -0.28931022396251604]),
+                idle: DMatrix::from_column_slice(2, 1, &[-0.14562399883500696, 1.866863440011213e-17]),
+            },
+            Part {
+                force: DVector::from_vec(vec![-1.427212141897822, -0.2893102239625161]),
+                idle: DMatrix::from_column_slice(2, 1, &[0.14562399883500698, -1.8094811928646528e-28]),
+            },
+        ];
+        let w = least_largest(&feet).expect("a share");
+        assert!(w.amax() < 1e-9, "{w}");
     }
 
     #[test]

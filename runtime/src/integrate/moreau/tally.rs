@@ -30,6 +30,8 @@ pub(crate) struct ContactTally {
     pub name: String,
     /// How long it was in each of its modes, s, in their order.
     pub modes: Vec<f64>,
+    /// The place of its mode in the last step.
+    pub mode: usize,
     /// The impulses across and along so far, N s, and those of the last step.
     pub impulse: [f64; 3],
     pub last: [f64; 3],
@@ -77,6 +79,7 @@ impl Tally {
         self.step = pending.h;
         for (contact, done) in self.contacts.iter_mut().zip(&pending.contacts) {
             contact.modes[done.mode] += pending.h;
+            contact.mode = done.mode;
             contact.last = done.impulse;
             contact.impulse.iter_mut().zip(done.impulse).for_each(|(sum, impulse)| *sum += impulse);
         }

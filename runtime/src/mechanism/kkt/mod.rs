@@ -32,6 +32,8 @@ pub(crate) struct KktSolver {
     n: usize,
     /// Rows in force, among all rows of the mechanism.
     active: Vec<usize>,
+    /// Which of them are rates of sliding of what sticks.
+    along: Vec<bool>,
     /// M's packed lower triangle; factored, L and the reciprocals of D.
     mass: Vec<f64>,
     /// J, active rows one after the other.
@@ -142,6 +144,10 @@ impl KktSolver {
         ] {
             list.resize(size, 0.0);
         }
+        let contacts = &system.contacts().all;
+        let is_along = |row: &usize| contacts.iter().any(|contact| contact.tangents().any(|own| own as usize == *row));
+        self.along.clear();
+        self.along.extend(self.active.iter().map(is_along));
         self.load_rows(system, at);
         self.load_mass(system, at);
     }
@@ -339,7 +345,8 @@ impl KktSolver {
             *right = -self.gamma[k] - weighted(&self.mass, &self.half[k * n..][..n], a);
         }
         let solved = if rubs {
-            self.rub(&mut found)
+            let shares = self.shares(system);
+            self.rub(shares.as_ref(), &mut found)
         } else {
             self.cholesky_solve(&mut found);
             Ok(())

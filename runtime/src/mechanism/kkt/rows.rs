@@ -99,8 +99,14 @@ impl KktSolver {
         (self.rank, self.weakest) = (m, 1.0);
         for k in 0..m {
             let size = |place: usize| self.schur[place * m + place].max(0.0).sqrt();
-            let waits = |place: usize| size(place) <= weak || history.last.contains(&self.active[self.order[place]]);
-            let rated = |place: usize| (!waits(place), size(place));
+            // What presses is chosen before what sticks, which may be shared otherwise.
+            let turn = |place: usize| match self.order[place] {
+                _ if size(place) <= weak => 0,
+                row if self.along[row] => 1,
+                row if history.last.contains(&self.active[row]) => 2,
+                _ => 3,
+            };
+            let rated = |place: usize| (turn(place), size(place));
             let better = |a: &usize, b: &usize| {
                 let (a, b) = (rated(*a), rated(*b));
                 a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
@@ -150,17 +156,26 @@ impl KktSolver {
         }
     }
 
-    /// J M⁻¹ (Jᵀ + B) x = b with the rows that were kept, in their order: every pivot must stay beside that without
+    /// J M⁻¹ (Jᵀ + B) x = b with the rows that were kept, in their order, or with all that share a force: every pivot must stay beside that without
     /// friction.
-    pub(super) fn rub(&mut self, b: &mut [f64]) -> Result<(), Singular> {
+    pub(super) fn rub(&mut self, shares: Option<&Shares>, b: &mut [f64]) -> Result<(), Singular> {
         let (n, m, rank) = (self.n, self.active.len(), self.rank);
-        self.rubbed.clear();
+        let counted = if shares.is_some() { m } else { rank };
+        let mut rubbed = std::mem::take(&mut self.rubbed);
+        rubbed.clear();
         for &k in &self.order[..rank] {
-            for &l in &self.order[..rank] {
+            let scaled = |l: usize| {
                 let s = weighted(&self.mass, &self.half[k * n..][..n], &self.pushed[l * n..][..n]);
-                self.rubbed.push(s / (self.norms[k] * self.norms[l]));
+                if self.norms[l] > 0.0 { s / (self.norms[k] * self.norms[l]) } else { 0.0 }
+            };
+            let start = rubbed.len();
+            rubbed.extend(self.order[..counted].iter().map(|l| scaled(*l)));
+            if let Some(shares) = shares {
+                shares.of_kept(&mut rubbed[start..]);
+                rubbed.truncate(start + rank);
             }
         }
+        self.rubbed = rubbed;
         let x = &mut self.right;
         for (i, &row) in self.order[..rank].iter().enumerate() {
             x[i] = b[row] / self.norms[row];
@@ -184,35 +199,98 @@ impl KktSolver {
             x[i] = (x[i] - known) / self.rubbed[i * rank + i];
         }
         b.fill(0.0);
-        for (i, &row) in self.order[..rank].iter().enumerate() {
-            b[row] = x[i] / self.norms[row];
+        x[rank..m].fill(0.0);
+        if let Some(shares) = shares {
+            shares.share(&mut x[..m]);
+        }
+        for (x, &row) in x.iter().zip(&self.order) {
+            b[row] = if self.norms[row] > 0.0 { x / self.norms[row] } else { 0.0 };
         }
         Ok(())
     }
 
-    /// Makes the multipliers of the active rows the least of all that have the same effect, Σ S_kk λ_k², where rows
-    /// depend on each other everywhere (Udwadia and Kalaba, Analytical Dynamics, 1992; the weights are invariant under a
-    /// scaling of rows).
-    pub fn spread<S: System + ?Sized>(&self, system: &S, lambda: &mut [f64]) {
+    /// How rows share a force where they depend on each other everywhere, in the phase in force; `None` where none does that sticks nowhere.
+    pub(super) fn shares<S: System + ?Sized>(&self, system: &S) -> Option<Shares> {
         let (m, rank) = (self.active.len(), self.rank);
         let usual = system.description().phases.get(system.phase()).map_or(0, |phase| phase.rank as usize);
-        if rank == m || rank < usual || !system.description().friction_pattern.is_empty() {
+        let along = |place: &usize| self.along[self.order[*place]];
+        let left_out: Vec<usize> = (rank..m).filter(|place| !along(place)).collect();
+        if rank < usual || left_out.is_empty() {
+            return None;
+        }
+        let kept = (0..rank).take_while(|place| !along(place)).count();
+        let places: Vec<usize> = (0..kept).chain(left_out).collect();
+        let entry = |i: usize, j: usize| if places[i] >= j { self.schur[places[i] * m + j] } else { 0.0 };
+        let factor = DMatrix::from_fn(places.len(), kept, entry);
+        let norms: Vec<f64> = places.iter().map(|place| self.norms[self.order[*place]]).collect();
+        let contacts: Vec<usize> =
+            system.contacts().all.iter().filter_map(|contact| Some(contact.normal? as usize)).collect();
+        let is_contact = |place: &usize| contacts.contains(&self.active[self.order[*place]]);
+        let compliances = factor.row_iter().zip(&norms).map(|(row, norm)| row.norm_squared() * norm.powi(2));
+        let compliances: Vec<f64> = compliances.collect();
+        let of_contacts = places.iter().zip(&compliances).filter(|(place, _)| is_contact(place));
+        let (count, sum) = of_contacts.fold((0, 0.0), |(count, sum), (_, compliance)| (count + 1, sum + compliance));
+        let weight = |((place, own), norm): ((&usize, &f64), &f64)| {
+            let weight = if is_contact(place) { sum / f64::from(count) } else { *own };
+            weight / norm.powi(2)
+        };
+        let weights: Vec<f64> = places.iter().zip(&compliances).zip(&norms).map(weight).collect();
+        Shares::of(places, factor, &weights)
+    }
+
+    /// Makes the multipliers of the active rows those of rows that share forces, where they depend on each other everywhere.
+    pub fn spread<S: System + ?Sized>(&self, system: &S, lambda: &mut [f64]) {
+        // Where friction is made of multipliers they share already.
+        if !system.description().friction_pattern.is_empty() {
             return;
         }
-        // Row i of L that is left out is a combination of those that were kept: u = [−L₁⁻ᵀ L_iᵀ; e_i] has no effect.
-        let factor = DMatrix::from_fn(rank, rank, |i, j| if i >= j { self.schur[i * m + j] } else { 0.0 });
-        let beyond = DMatrix::from_fn(rank, m - rank, |j, i| self.schur[(rank + i) * m + j]);
-        let Some(combined) = factor.tr_solve_lower_triangular(&beyond) else { return };
-        let idle = DMatrix::from_fn(m, m - rank, |i, k| match i.checked_sub(rank) {
-            None => -combined[(i, k)],
-            Some(place) => f64::from(place == k),
-        });
-        let scaled = DVector::from_fn(m, |i, _| lambda[self.active[self.order[i]]] * self.norms[self.order[i]]);
-        let Some(inverse) = idle.tr_mul(&idle).cholesky() else { return };
-        let least = &scaled - &idle * inverse.solve(&idle.tr_mul(&scaled));
-        for (x, &k) in least.iter().zip(&self.order) {
+        let Some(shares) = self.shares(system) else { return };
+        let mut scaled: Vec<f64> = self.order.iter().map(|k| lambda[self.active[*k]] * self.norms[*k]).collect();
+        shares.share(&mut scaled);
+        for (x, &k) in scaled.iter().zip(&self.order) {
             lambda[self.active[k]] = if self.norms[k] > 0.0 { x / self.norms[k] } else { 0.0 };
         }
+    }
+}
+
+/// How rows that depend on each other share a force, but those of what sticks: of all multipliers that do the same to the rows those with the least Σ w_k λ_k² (Udwadia and
+/// Kalaba, Analytical Dynamics, 1992), w_k = S_kk, which is invariant under a scaling of rows, or of contacts, whose gaps are lengths, the mean of theirs.
+/// So would springs share it that are alike at all contacts.  In which order rows stand makes no difference.
+///
+/// With S = L Lᵀ these are λ = W⁻¹ L (Lᵀ W⁻¹ L)⁻¹ Lᵀ λ', all scaled as S is.
+pub(super) struct Shares {
+    /// The rows that share, by their places in the order of the pivots; those that are kept first.
+    places: Vec<usize>,
+    /// L, a line for each of them.
+    factor: DMatrix<f64>,
+    /// W⁻¹ L (Lᵀ W⁻¹ L)⁻¹.
+    spread: DMatrix<f64>,
+}
+
+impl Shares {
+    fn of(places: Vec<usize>, factor: DMatrix<f64>, weights: &[f64]) -> Option<Self> {
+        let mut light = factor.clone();
+        for (mut row, weight) in light.row_iter_mut().zip(weights) {
+            row *= if *weight > 0.0 { 1.0 / weight } else { 0.0 };
+        }
+        let inverse = light.tr_mul(&factor).cholesky()?;
+        let spread = inverse.solve(&light.transpose()).transpose();
+        Some(Shares { places, factor, spread })
+    }
+
+    /// Shares these multipliers of all rows.
+    fn share(&self, all: &mut [f64]) {
+        let own = DVector::from_iterator(self.places.len(), self.places.iter().map(|place| all[*place]));
+        let shared = &self.spread * self.factor.tr_mul(&own);
+        self.places.iter().zip(shared.iter()).for_each(|(place, x)| all[*place] = *x);
+    }
+
+    /// What multipliers of kept rows do where they are shared, from what those of all rows do by themselves.
+    fn of_kept(&self, all: &mut [f64]) {
+        let own = DVector::from_iterator(self.places.len(), self.places.iter().map(|place| all[*place]));
+        let kept = self.factor.ncols();
+        let shared = self.factor.rows(0, kept) * self.spread.tr_mul(&own);
+        all[..kept].copy_from_slice(shared.as_slice());
     }
 }
 

@@ -50,7 +50,7 @@ static int NAME_constrained(const double *c, double t, const double *u, const do
         bias[k] = gamma[active[k]];
         for (int i = 0; i < N; i++) rows[k * N + i] = matrix[active[k] * N + i];
     }
-RUB    const int failed = dalembert_constrained(N, m, rank, mass, h, rows, bias, PUSHED, a, lambda, doubles, ints);
+RUBSHARE    const int failed = dalembert_constrained(N, m, rank, mass, h, rows, bias, PUSHED, CONTACTS, a, lambda, doubles, ints);
     if (failed >= 0) for (int k = 0; k < m; k++) l[active[k]] = lambda[k];
     return failed < 0 ? -1 - active[-1 - failed] : failed;
 }
@@ -71,6 +71,12 @@ const RUB: &str = "    double rub[N * ROWS], friction[ROWS * N] = {0.0};
     NAME_friction(c, t, u, q, v, rub);
     for (int k = 0; k < m; k++)
         for (int i = 0; i < N; i++) friction[k * N + i] = rub[i * ROWS + active[k]];
+";
+
+/// Which rows in force are forces across contacts, and along them, where there are any.
+const SHARE: &str = "    static const char contacts[] = {FLAGS};
+    char across[ROWS] = {0};
+    for (int k = 0; k < m; k++) across[k] = contacts[active[k]];
 ";
 
 /// Slopes of accelerations, and of multipliers.
@@ -112,7 +118,21 @@ impl Printing<'_> {
         if rows > 0 {
             let (rub, pushed) =
                 if self.program.constraints.friction.is_empty() { ("", "NULL") } else { (RUB, "friction") };
-            out += &filled(&CONSTRAINED.replace("RUB", rub).replace("PUSHED", pushed));
+            let model = &self.program.model;
+            let normals = model.rows_of_contacts(model.contacts.iter().filter_map(|contact| contact.normal));
+            let tangents = model.rows_of_contacts(model.contacts.iter().filter_map(|contact| contact.tangent));
+            let flag = |row| match () {
+                () if normals.contains(&row) => "1",
+                () if tangents.contains(&row) => "2",
+                () => "0",
+            };
+            let flags: Vec<&str> = (0..rows).map(flag).collect();
+            let (share, contacts) = match model.contacts.is_empty() {
+                true => (String::new(), "NULL"),
+                false => (SHARE.replace("FLAGS", &flags.join(", ")), "across"),
+            };
+            let constrained = CONSTRAINED.replace("RUB", rub).replace("SHARE", &share);
+            out += &filled(&constrained.replace("PUSHED", pushed).replace("CONTACTS", contacts));
         }
         if has_slopes {
             out += &filled(SLOPES);

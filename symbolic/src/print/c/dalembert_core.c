@@ -98,26 +98,30 @@ int dalembert_solve(int n, double *mass, const double *h, double *a) {
 
 /* M and J of one state, factored. */
 typedef struct system_ {
-    int n, m, rank, usual;
+    int n, m, rank, usual, sharing, kept; /* of those that share, in their order, how many there are, and are kept */
     const double *mass, *rows, *gamma;
     double *factor;    /* L and the reciprocals of D, packed */
     double *half;      /* L^-1 J^T, a line for each row */
     double *pushed;    /* L^-1 (J^T + B) likewise */
     double *schur;     /* the Cholesky factor of J M^-1 J^T, scaled, in the order of the pivots */
     double *rubbed;    /* J M^-1 (J^T + B) of the rows that are kept */
-    double *idle;      /* combinations of multipliers without effect */
+    double *shares;    /* how rows share what rows that depend on each other hold */
     double *norms;     /* of the rows */
     double *strength;  /* what J^T J was added to M with, row by row, where M alone is singular */
     double *right, *found, *lengths, *least;
+    const char *across; /* 1: a force across a contact, 2: along one that sticks; or NULL */
     double *square, *determined;
-    int *order, *known;
+    int *order, *places, *known;
     double weakest;
 } system_;
 
 static system_ system_of(int n, int m, int usual, const double *mass, const double *rows, const double *gamma,
-                         double *doubles, int *ints) {
-    system_ s = {n, m, 0, usual, mass, rows, gamma, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1.0};
-    double **const parts[] = {&s.factor, &s.half, &s.pushed, &s.schur, &s.rubbed, &s.idle, &s.norms, &s.strength,
+                         const char *across, double *doubles, int *ints) {
+    system_ s;
+    memset(&s, 0, sizeof s);
+    s.n = n, s.m = m, s.usual = usual;
+    s.mass = mass, s.rows = rows, s.gamma = gamma, s.across = across;
+    double **const parts[] = {&s.factor, &s.half, &s.pushed, &s.schur, &s.rubbed, &s.shares, &s.norms, &s.strength,
                               &s.right, &s.found, &s.lengths, &s.least, &s.square, &s.determined};
     const int sizes[] = {n * (n + 1) / 2, m * n, m * n, m * m, m * m, m * m, m, m, m, m, m, m, n * n, n};
     for (int k = 0; k < 14; k++) {
@@ -125,7 +129,8 @@ static system_ system_of(int n, int m, int usual, const double *mass, const doub
         doubles += sizes[k];
     }
     s.order = ints;
-    s.known = ints + m;
+    s.places = ints + m;
+    s.known = ints + 2 * m;
     return s;
 }
 
@@ -231,12 +236,15 @@ static void find_rows(system_ *s, const double *lengths) {
     s->rank = m;
     s->weakest = 1.0;
     for (int k = 0; k < m; k++) {
-        int best = k;
-        double size = sqrt(fmax(s->schur[k * m + k], 0.0));
-        for (int i = k + 1; i < m; i++) {
+        int best = k, first = 0;
+        double size = -1.0;
+        for (int i = k; i < m; i++) {
             const double other = sqrt(fmax(s->schur[i * m + i], 0.0));
-            if (other < size) continue;
+            /* What presses is chosen before what sticks, which may be shared otherwise. */
+            const int turn = !(other > weak) ? 0 : s->across && s->across[s->order[i]] == 2 ? 1 : 2;
+            if (turn < first || (turn == first && other < size)) continue;
             best = i;
+            first = turn;
             size = other;
         }
         s->weakest = fmin(s->weakest, size);
@@ -317,37 +325,6 @@ static void cholesky_solve(system_ *s, double *b) {
     for (int i = 0; i < s->rank; i++) b[s->order[i]] = y[i] / s->norms[s->order[i]];
 }
 
-/* J M^-1 (J^T + B) x = b with the rows that were kept, in place. */
-static int rub(system_ *s, double *b) {
-    const int n = s->n, rank = s->rank;
-    double *r = s->rubbed, *x = s->right;
-    for (int i = 0; i < rank; i++) {
-        const int k = s->order[i];
-        x[i] = b[k] / s->norms[k];
-        for (int j = 0; j < rank; j++) {
-            const int l = s->order[j];
-            r[i * rank + j] = weighted(s, s->half + k * n, s->pushed + l * n) / (s->norms[k] * s->norms[l]);
-        }
-    }
-    for (int i = 0; i < rank; i++) {
-        const double own = s->schur[i * s->m + i];
-        if (!(r[i * rank + i] > PAINLEVE * (own * own))) return -1 - s->order[i];
-        for (int k = i + 1; k < rank; k++) {
-            const double factor = r[k * rank + i] / r[i * rank + i];
-            for (int l = i + 1; l < rank; l++) r[k * rank + l] -= factor * r[i * rank + l];
-            x[k] -= factor * x[i];
-        }
-    }
-    for (int i = rank - 1; i >= 0; i--) {
-        double known = 0.0;
-        for (int k = i + 1; k < rank; k++) known += r[i * rank + k] * x[k];
-        x[i] = (x[i] - known) / r[i * rank + i];
-    }
-    for (int k = 0; k < s->m; k++) b[k] = 0.0;
-    for (int i = 0; i < rank; i++) b[s->order[i]] = x[i] / s->norms[s->order[i]];
-    return 0;
-}
-
 /* x becomes A^-1 x by elimination with column pivots; 0 where A is singular. */
 static int solve_square(int n, double *a, double *x) {
     for (int k = 0; k < n; k++) {
@@ -374,6 +351,127 @@ static int solve_square(int n, double *a, double *x) {
         x[i] /= a[i * n + i];
     }
     return 1;
+}
+
+/* Of all multipliers that do the same to the rows those with the least sum of w l^2, where rows depend on each other everywhere, but for those of what
+   sticks: w = S_kk, of contacts the mean of theirs.  With S = L L^T they are W^-1 L (L^T W^-1 L)^-1 L^T l, of which this is the matrix before L^T; 0 where
+   nothing is shared. */
+static int share(system_ *s) {
+    const int m = s->m, rank = s->rank;
+    double *weights = s->least, *normal = s->rubbed, sum = 0.0;
+    int count = 0;
+    if (rank < s->usual) return 0;
+    s->sharing = s->kept = 0;
+    while (s->kept < rank && !(s->across && s->across[s->order[s->kept]] == 2)) {
+        s->places[s->sharing] = s->kept++;
+        s->sharing++;
+    }
+    for (int i = rank; i < m; i++)
+        if (!(s->across && s->across[s->order[i]] == 2)) s->places[s->sharing++] = i;
+    if (s->sharing == s->kept) return 0;
+    for (int i = 0; i < s->sharing; i++) {
+        const int place = s->places[i], k = s->order[place];
+        weights[i] = 0.0;
+        for (int j = 0; j < s->kept && j <= place; j++) weights[i] += s->schur[place * m + j] * s->schur[place * m + j];
+        if (!s->across || s->across[k] != 1) continue;
+        sum += weights[i] * s->norms[k] * s->norms[k];
+        count++;
+    }
+    for (int i = 0; i < s->sharing; i++) {
+        const int k = s->order[s->places[i]];
+        if (s->across && s->across[k] == 1) weights[i] = sum / count / (s->norms[k] * s->norms[k]);
+    }
+    for (int i = 0; i < s->sharing; i++) {
+        const int place = s->places[i];
+        for (int j = 0; j < s->kept; j++) {
+            const double entry = j <= place && weights[i] > 0.0 ? s->schur[place * m + j] / weights[i] : 0.0;
+            s->shares[i * s->kept + j] = entry;
+            for (int l = 0; l < s->kept; l++) {
+                double *const x = normal + j * s->kept + l;
+                *x = 0.0;
+                for (int k = 0; k < s->sharing; k++) {
+                    const int row = s->places[k];
+                    if (j <= row && l <= row && weights[k] > 0.0) *x += s->schur[row * m + j] * s->schur[row * m + l] / weights[k];
+                }
+            }
+        }
+        if (!solve_square(s->kept, normal, s->shares + i * s->kept)) return 0;
+    }
+    return 1;
+}
+
+/* Shares scaled multipliers, which are in the order of the pivots. */
+static void shared(system_ *s, double *x) {
+    double *sums = s->least;
+    for (int j = 0; j < s->kept; j++) {
+        sums[j] = 0.0;
+        for (int i = 0; i < s->sharing; i++)
+            if (j <= s->places[i]) sums[j] += s->schur[s->places[i] * s->m + j] * x[s->places[i]];
+    }
+    for (int i = 0; i < s->sharing; i++) {
+        x[s->places[i]] = 0.0;
+        for (int j = 0; j < s->kept; j++) x[s->places[i]] += s->shares[i * s->kept + j] * sums[j];
+    }
+}
+
+/* Makes multipliers those of rows that share forces. */
+static void spread(system_ *s, double *lambda) {
+    double *scaled = s->right;
+    if (!share(s)) return;
+    for (int i = 0; i < s->m; i++) scaled[i] = lambda[s->order[i]] * s->norms[s->order[i]];
+    shared(s, scaled);
+    for (int i = 0; i < s->m; i++) {
+        const double norm = s->norms[s->order[i]];
+        lambda[s->order[i]] = norm > 0.0 ? scaled[i] / norm : 0.0;
+    }
+}
+
+/* J M^-1 (J^T + B) x = b with the rows that were kept, or all that share a force, in place. */
+static int rub(system_ *s, double *b) {
+    const int n = s->n, m = s->m, rank = s->rank, shares = share(s);
+    double *r = s->rubbed, *x = s->right, *line = s->found, *sums = s->least;
+    for (int i = 0; i < rank; i++) {
+        const int k = s->order[i];
+        x[i] = b[k] / s->norms[k];
+    }
+    for (int i = 0; i < rank; i++) {
+        const int k = s->order[i];
+        for (int j = 0; j < (shares ? m : rank); j++) {
+            const int l = s->order[j];
+            const double pushed = weighted(s, s->half + k * n, s->pushed + l * n);
+            line[j] = s->norms[l] > 0.0 ? pushed / (s->norms[k] * s->norms[l]) : 0.0;
+        }
+        for (int j = 0; j < s->kept && shares; j++) {
+            sums[j] = 0.0;
+            for (int l = 0; l < s->sharing; l++) sums[j] += s->shares[l * s->kept + j] * line[s->places[l]];
+        }
+        for (int j = 0; j < rank; j++) {
+            double entry = shares && j < s->kept ? 0.0 : line[j];
+            for (int l = 0; l <= j && shares && j < s->kept; l++) entry += s->schur[j * m + l] * sums[l];
+            r[i * rank + j] = entry;
+        }
+    }
+    for (int i = 0; i < rank; i++) {
+        const double own = s->schur[i * m + i];
+        if (!(r[i * rank + i] > PAINLEVE * (own * own))) return -1 - s->order[i];
+        for (int k = i + 1; k < rank; k++) {
+            const double factor = r[k * rank + i] / r[i * rank + i];
+            for (int l = i + 1; l < rank; l++) r[k * rank + l] -= factor * r[i * rank + l];
+            x[k] -= factor * x[i];
+        }
+    }
+    for (int i = rank - 1; i >= 0; i--) {
+        double known = 0.0;
+        for (int k = i + 1; k < rank; k++) known += r[i * rank + k] * x[k];
+        x[i] = (x[i] - known) / r[i * rank + i];
+    }
+    for (int i = rank; i < m; i++) x[i] = 0.0;
+    if (shares) shared(s, x);
+    for (int i = 0; i < m; i++) {
+        const double norm = s->norms[s->order[i]];
+        b[s->order[i]] = norm > 0.0 ? x[i] / norm : 0.0;
+    }
+    return 0;
 }
 
 /* Takes accelerations that rows determine by themselves from the rows, without the rounding of forces. */
@@ -409,37 +507,6 @@ static void determine(system_ *s, double *a) {
     if (solve_square(n, s->square, s->determined)) memcpy(a, s->determined, (size_t)n * sizeof(double));
 }
 
-/* Makes multipliers the least of all that have the same effect, where rows depend on each other everywhere. */
-static void spread(system_ *s, double *lambda) {
-    const int m = s->m, rank = s->rank, count = m - rank;
-    double *scaled = s->found, *right = s->least, *normal = s->rubbed;
-    if (count == 0 || rank < s->usual) return;
-    /* Column k of the idle combinations: [-L1^-T L_k^T; e_k]. */
-    for (int k = 0; k < count; k++) {
-        for (int i = 0; i < count; i++) s->idle[(rank + i) * count + k] = i == k;
-        for (int i = rank - 1; i >= 0; i--) {
-            double x = s->schur[(rank + k) * m + i];
-            for (int j = i + 1; j < rank; j++) x += s->schur[j * m + i] * s->idle[j * count + k];
-            s->idle[i * count + k] = -x / s->schur[i * m + i];
-        }
-    }
-    for (int i = 0; i < m; i++) scaled[i] = lambda[s->order[i]] * s->norms[s->order[i]];
-    for (int k = 0; k < count; k++) {
-        right[k] = 0.0;
-        for (int i = 0; i < m; i++) right[k] += s->idle[i * count + k] * scaled[i];
-        for (int l = 0; l < count; l++) {
-            normal[k * count + l] = 0.0;
-            for (int i = 0; i < m; i++) normal[k * count + l] += s->idle[i * count + k] * s->idle[i * count + l];
-        }
-    }
-    if (!solve_square(count, normal, right)) return;
-    for (int i = 0; i < m; i++) {
-        for (int k = 0; k < count; k++) scaled[i] -= s->idle[i * count + k] * right[k];
-        const double norm = s->norms[s->order[i]];
-        lambda[s->order[i]] = norm > 0.0 ? scaled[i] / norm : 0.0;
-    }
-}
-
 /* L^-1 (J^T + B), and what B makes of the part of lambda that the strengthened M does not see. */
 static void load_friction(system_ *s, const double *friction, double *force) {
     const int n = s->n;
@@ -453,9 +520,9 @@ static void load_friction(system_ *s, const double *friction, double *force) {
 }
 
 int dalembert_constrained(int n, int m, int rank, const double *mass, const double *h, const double *rows,
-                          const double *gamma, const double *friction, double *a, double *lambda, double *doubles,
-                          int *ints) {
-    system_ s = system_of(n, m, rank, mass, rows, gamma, doubles, ints);
+                          const double *gamma, const double *friction, const char *across, double *a, double *lambda,
+                          double *doubles, int *ints) {
+    system_ s = system_of(n, m, rank, mass, rows, gamma, across, doubles, ints);
     int failed = factor_system(&s);
     if (failed) return failed;
     for (int i = 0; i < n; i++) a[i] = -h[i];

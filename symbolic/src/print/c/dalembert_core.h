@@ -4,7 +4,7 @@
 
 /* How many doubles and ints dalembert_constrained needs to work with: n coordinates, m rows. */
 #define DALEMBERT_DOUBLES(n, m) ((n)*(n) + (n)*((n) + 1)/2 + 2*(m)*(n) + 3*(m)*(m) + 6*(m) + (n) + 1)
-#define DALEMBERT_INTS(n, m) ((n) + (m) + 1)
+#define DALEMBERT_INTS(n, m) ((n) + 2*(m) + 1)
 
 /* -1, 0 or 1. */
 double dalembert_sign(double x);
@@ -25,12 +25,13 @@ double dalembert_table(double x, int order, int count, const double *knots, cons
 int dalembert_solve(int n, double *mass, const double *h, double *a);
 
 /* Solves M a + h = (J^T + B) lambda, J a + gamma = 0.
-   mass: M, n by n, row by row; rows: J, m by n; friction: B^T, m by n, or NULL; rank: how many rows are independent in general.
-   Pivots of J M^-1 J^T choose the rows that count; where rows depend on each other lambda is the least of all that have the same effect.
+   mass: M, n by n, row by row; rows: J, m by n; friction: B^T, m by n, or NULL; across: 1 for rows of forces across contacts, 2 along them, or NULL; rank: how
+   many rows are independent in general.  Pivots of J M^-1 J^T choose the rows that count; where rows depend on each other lambda is the least of all that
+   do the same to the rows.
    doubles, ints: room, of the sizes above.  Returns 0; 1 + the coordinate that neither M nor a row gives any inertia; or -1 - the row in which friction
    leaves no reaction, or more than one (Painleve). */
 int dalembert_constrained(int n, int m, int rank, const double *mass, const double *h, const double *rows,
-                          const double *gamma, const double *friction, double *a, double *lambda, double *doubles,
-                          int *ints);
+                          const double *gamma, const double *friction, const char *across, double *a, double *lambda,
+                          double *doubles, int *ints);
 
 #endif
