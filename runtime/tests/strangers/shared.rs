@@ -104,3 +104,24 @@ fn a_motion_of_many_has_no_slopes() {
     let found = simulation(&rod(0.1, [0, 1, 2])).slopes(&["e"]);
     assert!(matches!(&found, Err(Error::NoSlopes(why)) if matches!(**why, NoSlopes::Shares { .. })), "{found:?}");
 }
+
+/// A table that slides on four feet: only three of its heights and tilts are free, and which share the gate finds depends on the length of the
+/// quaternion (E520 before).
+#[test]
+fn a_table_slides_on_four_feet() {
+    let table = "name: Table\nsizes: {n: 4}\nparameters: {m: 8 kg, a: 0.5 m, h: 0.7 m, mu: 0.3 1, g: 9.81 m/s^2, I: 1 kg*m^2}\n\
+        coordinates: {x: m, y: m, z: m, q: rotation}\nframes: {B: {rotate: q}}\ngravity: [0, 0, -g]\n\
+        bodies: {tab: {mass: m, inertia: [I, I, 1.5*I], frame: B, position: '[x, y, z]'}}\n\
+        points: {'L[i in 0..n-1]': '[x, y, z] + a*cos(pi/4+i*pi/2)*B.x + a*sin(pi/4+i*pi/2)*B.y - h*B.z'}\nimpacts: together\n\
+        contacts: {'c[i in 0..n-1]': {gap: 'L[i].z', on: tab, at: 'L[i]', normal: ground.z, friction: mu}}\n\
+        outputs: {front: 'reaction(c[0])', back: 'reaction(c[1])'}\nscene: {start: {z: h, x': 1}, until: 0.2}\n";
+    let run = case(table).run();
+    let last = run.last();
+    let weight = 8.0 * 9.81;
+    // Feet at ±a/√2 along x, and friction a height h below the middle.
+    let tilts = 0.3 * weight * 0.7 / (4.0 * 0.5 * 0.5_f64.sqrt());
+    assert!((last["x"] - (0.2 - 0.5 * 0.3 * 9.81 * 0.04)).abs() < 1e-9 && last["y"].abs() < 1e-9, "{last}");
+    let presses = [last["front"], last["back"]];
+    assert!((presses[0] - (0.25 * weight + tilts)).abs() < 1e-6, "{presses:?}");
+    assert!((presses[1] - (0.25 * weight - tilts)).abs() < 1e-6, "{presses:?}");
+}

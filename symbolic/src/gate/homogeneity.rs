@@ -47,7 +47,11 @@ fn changes(model: &Model, motion: &Motion, rotation: &RotationCoordinate, state:
         scaled.q[k] = scaled.q[k] * factor;
         scaled.v[k] = scaled.v[k] * factor;
     }
-    motion.complete(&mut scaled).ok()?;
+    // Contacts are where they were: to look for a place again, to the rounding of f64, would lead to another one.
+    if !motion.place(&mut scaled) {
+        return None;
+    }
+    motion.accelerate(&mut scaled).ok()?;
     let part = |difference: DoubleDouble, terms: f64| {
         let change = difference.to_f64().abs();
         if change == 0.0 { 0.0 } else { change / terms }

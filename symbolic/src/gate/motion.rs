@@ -189,6 +189,11 @@ impl Motion {
         if !self.place(state) || !self.constraints.meet_contacts(state) {
             return Err(Incomplete::NotFinite);
         }
+        self.accelerate(state)
+    }
+
+    /// Fills in accelerations and multipliers at a state that is where its phase may be.
+    pub fn accelerate(&self, state: &mut State) -> Result<(), Incomplete> {
         if !self.constraints.is_empty() {
             self.prepare(state);
             return self.constrained(state);
