@@ -3,8 +3,8 @@
 //! A step is tried until its error is small enough; its dense output is made where anything reads it; what is watched may end it early; it is
 //! written down and taken.
 //!
-//! 1. The first step: look in `first.rs`; how the way to a stop is divided: `plan.rs`; a fixed step that suits a tolerance: `trial.rs`; steps of
-//!    another run that are followed: `followed.rs`.
+//! 1. What is chosen before it begins: look in `options.rs`; the first step: `first.rs`; how the way to a stop is divided: `plan.rs`; a fixed step
+//!    that suits a tolerance: `trial.rs`; steps of another run that are followed: `followed.rs`.
 //! 2. What may end a step early: `interrupt.rs`; jumps of the acceleration that nobody declared: `jump.rs`; what is asked of a step between its
 //!    ends: `between.rs`; rounding that looks like errors: `noise.rs`.
 //! 3. Constraints at the ends of steps: `constraints.rs`; phases and impacts: `phase.rs`; contacts: `contact.rs`; what follows at
@@ -21,6 +21,7 @@ mod followed;
 mod interrupt;
 mod jump;
 mod noise;
+mod options;
 mod phase;
 mod plan;
 mod rest;
@@ -229,63 +230,14 @@ impl Integration {
         }
     }
 
-    /// Fails beyond so many steps.
-    pub fn limit(mut self, max_steps: u64) -> Self {
-        self.max_steps = max_steps;
-        self
-    }
-
     /// Counts steps anew for [`Integration::limit`].
     pub fn limit_anew(&mut self) {
         self.free_steps = self.work.steps;
     }
 
-    /// Adds what rounding takes from a step to the next one, or not.
-    pub fn compensate(mut self, compensated: bool) -> Self {
-        self.compensated = compensated;
-        self
-    }
-
-    /// Divides the way to a stop otherwise than usual and lets steps grow more slowly, or not: steps that neither the
-    /// tolerance nor the equations limit are others than usual.
-    pub fn decorrelate_steps(mut self, decorrelate_steps: bool) -> Self {
-        self.decorrelate_steps = decorrelate_steps;
-        self
-    }
-
-    /// Takes no steps that are longer than those of another run allow.
-    pub fn following(mut self, followed: Option<Followed>) -> Self {
-        self.followed = followed;
-        self
-    }
-
-    /// Begins beside this state, moved by rounding, which decides what is at its zero.
-    pub fn beginning_beside(mut self, start: Option<Vec<f64>>) -> Self {
-        self.beside = start;
-        self
-    }
-
-    /// Goes on with a run whose components were in these ranges.
-    pub fn having_seen(mut self, seen: Option<[Vec<f64>; 2]>) -> Self {
-        self.seen_before = seen;
-        self
-    }
-
-    /// Ends where this event happens, in the state after it.
-    pub fn ending_after(mut self, event: Option<usize>) -> Self {
-        self.ends_after = event;
-        self
-    }
-
     /// Ends where stability limits its steps, or only warns.
     pub fn leave_where_stiff(&mut self, leaves: bool) {
         self.leaves_where_stiff = leaves;
-    }
-
-    /// With these clocks.
-    pub fn ticking(mut self, ticks: Ticks) -> Self {
-        self.ticks = ticks;
-        self
     }
 
     /// The numbers of the next ticks of all clocks.
@@ -312,24 +264,6 @@ impl Integration {
             StepPolicy::Fixed(_) => None,
             StepPolicy::Adaptive { tolerance, .. } => Some((self.h, tolerance.seen())),
         }
-    }
-
-    /// Lets these events do nothing.
-    pub fn ignoring(mut self, events: Vec<usize>) -> Self {
-        self.ignored_events = events;
-        self
-    }
-
-    /// Brings states back to the constraints, or only measures how far they are from them.
-    pub fn projecting(mut self, projects: bool) -> Self {
-        self.projects = projects;
-        self
-    }
-
-    /// Chooses Baumgarte's gain by the steps that are taken at first.
-    pub fn finding_gain(mut self) -> Self {
-        self.finds_gain = true;
-        self
     }
 
     /// The present time, s.

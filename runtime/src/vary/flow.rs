@@ -60,13 +60,7 @@ pub(super) fn follow(
     if let Some(junction) = run.junctions.iter().find(|junction| junction.rebounds) {
         return Err(NoSlopes::Rebounds { t: junction.before.t });
     }
-    let shared = run.warnings.iter().find_map(|warning| match warning {
-        Warning::MotionNotUnique { constraints, .. } => Some(constraints.clone()),
-        _ => None,
-    });
-    if let Some(constraints) = shared {
-        return Err(NoSlopes::Shares { constraints });
-    }
+    no_share_decides(run)?;
     let junctions: Vec<Option<&Junction>> = run.junctions.iter().map(Some).chain([None]).collect();
     for junction in junctions {
         let last = way.times.last().copied().unwrap_or(first);
@@ -82,6 +76,15 @@ pub(super) fn follow(
         }
     }
     Ok(flow)
+}
+
+/// Refuses a motion that depends on how forces are shared that the equations leave open: the share moves with the place.
+pub(crate) fn no_share_decides(run: &Run) -> Result<(), NoSlopes> {
+    let shared = run.warnings.iter().find_map(|warning| match warning {
+        Warning::MotionNotUnique { constraints, .. } => Some(constraints.clone()),
+        _ => None,
+    });
+    shared.map_or(Ok(()), |constraints| Err(NoSlopes::Shares { constraints }))
 }
 
 /// Follows columns along a smooth piece, as far as `until`, and writes them down at times on the way.

@@ -18,6 +18,8 @@ mod start;
 mod variational;
 
 use crate::error::NoSlopes;
+#[cfg(feature = "cli")]
+pub(crate) use flow::no_share_decides;
 pub(crate) use junction::put;
 pub(crate) use leg::{Leg, leg};
 pub(crate) use response::Response;

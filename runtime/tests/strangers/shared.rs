@@ -2,7 +2,7 @@
 
 use dalembert::{Error, Method, NoSlopes, Run, Warning};
 
-use super::{case, simulation};
+use super::{case, folder, program, simulation};
 
 /// A rod that slides on three supports, the mass at a distance from the middle one, its contacts in some order.
 fn rod(mass_at: f64, order: [usize; 3]) -> String {
@@ -103,6 +103,10 @@ fn feet_that_are_twisted_share_the_weight() {
 fn a_motion_of_many_has_no_slopes() {
     let found = simulation(&rod(0.1, [0, 1, 2])).slopes(&["e"]);
     assert!(matches!(&found, Err(Error::NoSlopes(why)) if matches!(**why, NoSlopes::Shares { .. })), "{found:?}");
+    let file = folder("shared").join("rod.yaml");
+    std::fs::write(&file, rod(0.1, [0, 1, 2])).expect("a file");
+    let told = program(&["modes", file.to_str().expect("a path"), "--at-time", "0.1 s"]).expect_err("a motion of many");
+    assert!(told.contains("it depends on how `l`, `m`, `r` share a force"), "{told}");
 }
 
 /// A table that slides on four feet: only three of its heights and tilts are free, and which share the gate finds depends on the length of the

@@ -16,6 +16,7 @@ use super::{MOST_PRINTED, state_space};
 use crate::linear::{InputOutput, has_dependent_coordinates, short};
 use crate::mechanism::At;
 use crate::simulate::{Settings, simulate};
+use crate::vary::no_share_decides;
 
 /// What wants a rest or a steady motion, or draws it.
 const OF_REST: [&str; 20] = [
@@ -91,6 +92,7 @@ pub fn departures(context: Context<'_>, options: &ArgMatches) -> Result<Departur
     }
     let settings = Settings { until: time, apart: false, every: None, ..settings };
     let run = simulate(&mut *loaded.system, &settings).map_err(|error| Problem::Run(error.to_string()))?;
+    no_share_decides(&run).map_err(|why| Problem::Run(why.to_string()))?;
     let last = run.last();
     if let Some(stop) = run.events.last().filter(|_| last.t < time) {
         return Err(Problem::Run(format!("the motion ends at t = {} s, by `{}`", short(last.t), stop.name)));

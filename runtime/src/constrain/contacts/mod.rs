@@ -1,17 +1,20 @@
 //! Friction that sticks and contacts that open by themselves: what all of them do from an instant on.
 //!
 //! 1. Which combination of modes the forces agree with: look in `modes.rs`; what is known of each contact at the instant: `known.rs`; forces and
-//!    accelerations under one combination: `trials.rs`.
-//!    In which direction what slides in space begins to: look in `directions.rs`.
+//!    accelerations under one combination: `trials.rs`; whether what counts as open would be pressed: `springs.rs`.
+//!    In which direction what slides in space begins to: look in `directions.rs`; where that is stiff: `stiff.rs`.
 //! 2. Limits of friction that are none: look in `limits.rs`.
-//! 3. How several that stick share a force: look in `share.rs`.
+//! 3. How several that stick share a force: look in `share.rs`, and in `bounds.rs` for the linear programme.
 //! 4. Impacts of several at once, by a stated law: look in `strike.rs`.
 
+mod bounds;
 mod directions;
 mod known;
 mod limits;
 mod modes;
 mod share;
+mod springs;
+mod stiff;
 mod strike;
 mod trials;
 
@@ -19,8 +22,8 @@ pub(crate) use directions::direction;
 pub(crate) use limits::possible_limits;
 pub(crate) use modes::{Change, Turned, is_released, settle, turned};
 pub(crate) use share::{where_shared, with_shares};
+pub(crate) use stiff::begins_stiffly;
 pub(crate) use strike::{Strike, strike};
-pub(crate) use trials::begins_stiffly;
 
 use nalgebra::DMatrix;
 

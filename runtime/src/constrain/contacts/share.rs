@@ -7,17 +7,14 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::IN_SPAN;
-use crate::matrix::{solve_least, svd};
+use super::bounds::{Bound, lowest};
+use crate::matrix::svd;
 use crate::mechanism::dense::constraint_matrix;
 use crate::mechanism::{At, ContactEvent, ContactMode, Singular, System, rows_in_force};
 
 /// Sizes that exceed their bounds by less, in parts of a limit, are as good as met: some hundred roundings, beside which instants of slipping are known.
 const EXACT: f64 = 1e-13;
-/// A least-squares solution that misses a sum of parts of 1 by less meets its equations: between rounding and the 1 by which others miss.
-const SOLVED: f64 = 1e-9;
-/// Exchanges of active bounds, and rounds in which bounds are added to what is round, at the most: where they do not come to an end, as by rounding, the
-/// best share so far is taken.
-const EXCHANGES: usize = 300;
+/// Rounds in which bounds are added to what is round, at the most: where they do not come to an end, as by rounding, the best share so far is taken.
 const ROUNDS: usize = 60;
 /// What can hold nothing has this part of the largest limit, so that it is given no force that another one can take.
 const LEAST: f64 = 1e-12;
@@ -169,18 +166,6 @@ impl Part {
     }
 }
 
-/// slope·w + value ≤ s.
-pub(super) struct Bound {
-    pub slope: DVector<f64>,
-    pub value: f64,
-}
-
-impl Bound {
-    fn at(&self, w: &DVector<f64>) -> f64 {
-        self.slope.dot(w) + self.value
-    }
-}
-
 /// w at which the largest size of all parts is the least: by bounds that touch the sizes, more of them where one is not yet exact
 /// (Kelley, J. SIAM 8, 1960, 703).
 fn least_largest(parts: &[Part]) -> Option<DVector<f64>> {
@@ -222,44 +207,6 @@ fn least_largest(parts: &[Part]) -> Option<DVector<f64>> {
         }
     }
     Some(w)
-}
-
-/// The lowest s that all bounds let be, from w on, by exchanges of those that are active (Best and Ritter, Linear Programming, 1985).
-pub(super) fn lowest(bounds: &[Bound], w: &mut DVector<f64>) -> Option<f64> {
-    let height =
-        |w: &DVector<f64>| bounds.iter().map(|bound| bound.at(w)).enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
-    let (first, mut s) = height(w)?;
-    let mut active = vec![first];
-    for _ in 0..EXCHANGES {
-        let slopes = DMatrix::from_fn(active.len(), w.len(), |i, j| bounds[active[i]].slope[j]);
-        // The way on which all active bounds fall alike.
-        let down = DMatrix::from_element(active.len(), 1, -1.0);
-        let way: DVector<f64> = solve_least(&slopes, &down)?.column(0).into_owned();
-        let missed = slopes.clone() * &way + DVector::from_element(active.len(), 1.0);
-        if missed.amax() <= SOLVED {
-            let step = |k: usize| {
-                let closes = bounds[k].slope.dot(&way) + 1.0;
-                (closes > SOLVED).then(|| ((s - bounds[k].at(w)) / closes).max(0.0))
-            };
-            let others = (0..bounds.len()).filter(|k| !active.contains(k));
-            let next = others.filter_map(|k| Some((k, step(k)?))).min_by(|a, b| a.1.total_cmp(&b.1))?;
-            *w += next.1 * way;
-            s -= next.1;
-            active.push(next.0);
-            continue;
-        }
-        // Their shares of 1 that let s no lower.
-        let mut equations = slopes.transpose().resize_vertically(w.len() + 1, 1.0);
-        equations.row_mut(w.len()).fill(1.0);
-        let right = DMatrix::from_fn(w.len() + 1, 1, |i, _| if i == w.len() { 1.0 } else { 0.0 });
-        let weights = solve_least(&equations, &right)?;
-        let (place, least) = weights.iter().copied().enumerate().min_by(|a, b| a.1.total_cmp(&b.1))?;
-        if least >= -SOLVED {
-            break;
-        }
-        active.remove(place);
-    }
-    height(w).map(|(_, s)| s)
 }
 
 #[cfg(test)]

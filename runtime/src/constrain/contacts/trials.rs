@@ -1,15 +1,14 @@
 //! Forces and accelerations under one combination of modes, and whether they agree with it.
 
-use nalgebra::DVector;
-
 use super::directions::{along, consistent};
-use super::known::{Known, slowed};
+use super::known::Known;
 use super::modes::PutOnSides;
-use super::share::{Bound, lowest, with_shares};
-use super::{Moment, Situation, held_direction, hold_direction};
+use super::share::with_shares;
+use super::springs::length_of_springs;
+use super::{held_direction, hold_direction};
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{constraint_matrix, mass_matrix};
-use crate::mechanism::{At, Contact, ContactEvent, ContactMode, Enforcement, Solutions, System, rows_in_force};
+use crate::mechanism::{At, ContactEvent, ContactMode, Enforcement, System, rows_in_force};
 
 /// A force, or an acceleration, below this part of the largest under any combination is zero.
 const NOTHING: f64 = 1e-10;
@@ -18,9 +17,6 @@ const NOTHING: f64 = 1e-10;
 const MET: f64 = 1e-7;
 /// Accelerations that differ by less than this part of the largest are the same motion.
 const ALIKE: f64 = 1e-8;
-
-/// What is left over is next to nothing below this part of what friction does: an explicit method would take hundreds of steps more than a stiff one.
-const LEFT_OVER: f64 = 0.01;
 
 /// What all combinations share.
 #[derive(Clone, Copy)]
@@ -236,26 +232,6 @@ pub(super) fn trial_of(
     Some(Trial { modes: modes.to_vec(), signs, accelerations: a, memory: system.memory().to_vec() })
 }
 
-/// Whether something begins to slide in space while next to no force is left over for that: its direction follows the forces within |s|/(μ g), which is
-/// far less than the time in which |s| grows.
-pub(crate) fn begins_stiffly(system: &dyn System, moment: &Moment<'_>) -> bool {
-    let (contacts, modes) = (&system.contacts().all, system.contacts().modes(system.phase()));
-    if !modes.contains(&ContactMode::Slides) {
-        return false;
-    }
-    let at = At::packed(moment.t, moment.y, system.len());
-    let Some(motion) = Motion::of(system, (moment.t, moment.y)) else { return false };
-    let mut pairs = vec![0.0; 2 * system.description().events.len()];
-    system.events(at.accelerated(&motion.a).constrained(&motion.lambda), &mut pairs);
-    let (compliance, situation) = (compliance(system, at), Situation::new(system, moment));
-    let begins = |k: usize| {
-        let left = contacts[k].tangents().map(|row| motion.second[row as usize].powi(2)).sum::<f64>().sqrt();
-        let slows = slowed(&contacts[k], (&pairs, &motion.lambda), &compliance);
-        modes[k] == ContactMode::Slides && situation.still[k][1] && left < LEFT_OVER * slows
-    };
-    (0..contacts.len()).any(begins)
-}
-
 /// J M⁻¹ Jᵀ of each row by itself.
 pub(super) fn compliance(system: &dyn System, at: At<'_>) -> Vec<f64> {
     let rows: Vec<usize> = (0..system.description().rows.len()).collect();
@@ -305,46 +281,4 @@ pub(super) fn agrees(trial: &Trial, all: &[Trial], forced: Option<(usize, Kind)>
             }
         })
     })
-}
-
-/// By how much springs in the place of rows that are not in force would be long, if springs stood in the place of all others, alike at all contacts, as
-/// forces are shared among rows that depend on each other (`mechanism/kkt/rows.rs`); with the size of what makes it.  A place of the bodies is looked
-/// for at which the shortest is the longest.
-fn length_of_springs(
-    system: &dyn System,
-    at: At<'_>,
-    (compliance, lambda): (&[f64], &[f64]),
-    rows: &[usize],
-) -> Option<(f64, f64)> {
-    if rows.is_empty() {
-        return None;
-    }
-    let contacts = &system.contacts().all;
-    let normals: Vec<u32> = contacts.iter().filter_map(|contact| contact.normal).collect();
-    let tangents: Vec<u32> = contacts.iter().flat_map(Contact::tangents).collect();
-    let active: Vec<usize> = rows_in_force(system).filter(|row| !tangents.contains(&(*row as u32))).collect();
-    let is_contact = |row: &usize| normals.contains(&(*row as u32));
-    let pressed: Vec<f64> = active.iter().filter(|row| is_contact(row)).map(|row| compliance[*row]).collect();
-    let mean = pressed.iter().sum::<f64>() / pressed.len().max(1) as f64;
-    let shortened = |row: &usize| lambda[*row] * if is_contact(row) { mean } else { compliance[*row] };
-    let shortened: Vec<f64> = active.iter().map(shortened).collect();
-    let size = shortened.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-    let scaled: Vec<f64> = shortened.iter().map(|x| if size > 0.0 { x / size } else { 0.0 }).collect();
-    let places = Solutions::of(&constraint_matrix(system, at, &active), &scaled);
-    let matrix = constraint_matrix(system, at, rows);
-    let mut slopes = &matrix * &places.basis;
-    for mut column in slopes.column_iter_mut() {
-        let largest = column.amax();
-        column *= if largest > 0.0 { 1.0 / largest } else { 0.0 };
-    }
-    let values = &matrix * &places.particular;
-    let mut bounds: Vec<Bound> = slopes
-        .row_iter()
-        .zip(values.iter())
-        .map(|(slope, value)| Bound { slope: slope.transpose(), value: *value })
-        .collect();
-    // Long enough.
-    bounds.push(Bound { slope: DVector::zeros(slopes.ncols()), value: -1.0 });
-    let shortest = lowest(&bounds, &mut DVector::zeros(slopes.ncols()))?;
-    Some((-size * shortest, size))
 }

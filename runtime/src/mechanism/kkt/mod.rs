@@ -3,14 +3,15 @@
 //! M a + h = (Jᵀ + B) λ, J a + γ = 0, with the rows J of the constraints that are active, and B from forces that are
 //! made of multipliers, as friction is.  M = L D Lᵀ gives the Schur complement S = J M⁻¹ Jᵀ.  Which rows count is chosen
 //! anew at every factorization: pivoted Cholesky of S, its rows scaled by the largest norms they have had, leaves out
-//! those whose pivots are negligible.  So redundant rows and singular positions are treated by one rule: λ = 0 in rows that
-//! never count; in those that cease to count near a singular position, what it was before (`rows.rs`).
+//! those whose pivots are negligible (`rows.rs`).  So redundant rows and singular positions are treated by one rule.  Rows that
+//! never count share the force of those on which they depend (`shares.rs`); those that cease to count near a singular position keep what they had before.
 
 mod comparison;
 mod crossed;
 mod determined;
 mod null_space;
 mod rows;
+mod shares;
 mod slopes;
 
 use super::phased::RowHistory;
