@@ -1,8 +1,11 @@
 //! Limits of friction that are none.
 
+use nalgebra::DVector;
+
 use super::directions::direction;
-use super::{held_direction, kinematics};
+use super::{IN_SPAN, held_direction, kinematics};
 use crate::cause::Cause;
+use crate::matrix::svd;
 use crate::mechanism::dense::{constraint_matrix, multiplier_effects};
 use crate::mechanism::{At, ContactEvent, ContactMode, System};
 
@@ -135,12 +138,24 @@ fn limits(system: &mut dyn System, (t, y): (f64, &[f64]), touches: &[bool]) -> V
             None => ([ContactMode::SlipsForwards, ContactMode::SlipsBackwards], 0.5),
         };
         let [forwards, backwards] = both.map(&mut forces);
-        let along = along_sliding(system, at, k);
-        let size = along.iter().map(|x| x * x).sum::<f64>();
-        let part = |of: &dyn Fn(usize) -> f64| (0..n).map(|i| along[i] * of(i)).sum::<f64>() / size;
-        let slides = times * part(&|i| backwards[i] - forwards[i]);
-        let terms =
-            (0..n).map(|i| (along[i] * forwards[i]).abs().max((along[i] * backwards[i]).abs())).sum::<f64>() / size;
+        // In which direction it rubs where its rate is rounding, only generated code knows: by both components.
+        let along = constraint_matrix(system, at, &tangents);
+        let pushed = DVector::from_fn(n, |i, _| times * (backwards[i] - forwards[i]));
+        let Some(spanned) = svd(along.transpose(), true, true) else { continue };
+        let nothing = IN_SPAN * spanned.singular_values.max();
+        let Ok(parts) = spanned.solve(&pushed, nothing) else { continue };
+        let slides = match held_direction(system, k) {
+            [d1, d2, _] if contacts[k].direction.is_some() => parts.norm().copysign(d1 * parts[0] + d2 * parts[1]),
+            _ => parts[0],
+        };
+        let terms = (0..tangents.len()).map(|row| {
+            let size = along.row(row).norm_squared();
+            (0..n)
+                .map(|i| (along[(row, i)] * forwards[i]).abs().max((along[(row, i)] * backwards[i]).abs()))
+                .sum::<f64>()
+                / size
+        });
+        let terms = terms.fold(0.0, f64::max);
         let mut pairs = vec![0.0; 2 * system.description().events.len()];
         system.events(at.accelerated(&a).constrained(&known), &mut pairs);
         let sticks = pairs[2 * event].max(0.0).sqrt();

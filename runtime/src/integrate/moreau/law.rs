@@ -27,6 +27,9 @@ pub(super) struct Side {
     pub count: usize,
     /// The coefficient of restitution.
     pub restitution: f64,
+    /// Whether it stuck in the step before, or its sides do not slide where the first one begins: in the middle of a step, where rates are taken, what
+    /// moves ever faster has left them behind.
+    pub stuck: bool,
     /// Its limits while it slides and while it sticks.
     pub sliding: Limit,
     pub sticking: Limit,
@@ -227,7 +230,7 @@ impl Problem {
             wanted[k] = if self.own[row] > 0.0 { impulses[row] - rates[row] / stiffest } else { 0.0 };
             before[k] = self.before[row];
         }
-        let slid = self.slides(side, &self.before, scale);
+        let slid = !side.stuck && self.slides(side, &self.before, scale);
         (wanted, allowed(wanted, limits, slid.then_some(before)))
     }
 

@@ -95,7 +95,7 @@ impl Forces {
             free.iter_mut().zip(&changed).for_each(|(free, changed)| *free += changed);
             // Backwards it pushes with L along the rate, and h is what pushes the other way.
             let own = -along.dot(&half) / along.square();
-            found.push((k, Force { own, of_rows: by_rows(system, &changed, &along) }));
+            found.push((k, Force { own, of_rows: by_rows(system, &changed, &[along], [1.0, 0.0]) }));
         }
         let most = first.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let left = free.iter().position(|x| x.abs() > NOTHING * most);
@@ -122,31 +122,40 @@ impl Forces {
         system.set_phase(phase);
         let rubbed = friction_of(system, at);
         system.set_phase(0);
-        let parts = match contact.direction {
+        let towards = match contact.direction {
             Some(_) => direction(sliding, held_direction(system, k)),
             None => [1.0, 0.0],
         };
-        let along = Row::sum(rows.iter().zip(parts));
         let changed: Vec<f64> = rubbed.iter().zip(&self.first).map(|(rubbed, first)| first - rubbed).collect();
-        Force { own: 0.0, of_rows: by_rows(system, &changed, &along) }
+        Force { own: 0.0, of_rows: by_rows(system, &changed, rows, towards) }
     }
 }
 
-/// How much of its own direction a force has per multiplier of each row.
-fn by_rows(system: &dyn System, values: &[f64], along: &Row) -> Vec<(usize, f64)> {
-    let square = along.square();
-    let mut found: Vec<(usize, f64)> = Vec::new();
-    for ((coordinate, row), value) in system.description().friction_pattern.iter().zip(values) {
-        let part = value * along.at(*coordinate as usize) / square;
-        if part == 0.0 {
+/// How large a force along some rows is per multiplier of each row, positive where it is in this direction.  In which direction it is where the rate is
+/// rounding only generated code knows: it is measured by all its components.
+fn by_rows(system: &dyn System, values: &[f64], rows: &[Row], towards: [f64; 2]) -> Vec<(usize, f64)> {
+    let pattern = &system.description().friction_pattern;
+    let mut found: Vec<(usize, [f64; 2])> = Vec::new();
+    for ((coordinate, row), value) in pattern.iter().zip(values) {
+        let [first, second] = [0, 1].map(|k| rows.get(k).map_or(0.0, |along| value * along.at(*coordinate as usize)));
+        if first == 0.0 && second == 0.0 {
             continue;
         }
         match found.iter_mut().find(|(known, _)| *known == *row as usize) {
-            Some((_, sum)) => *sum += part,
-            None => found.push((*row as usize, part)),
+            Some((_, sums)) => *sums = [sums[0] + first, sums[1] + second],
+            None => found.push((*row as usize, [first, second])),
         }
     }
-    found
+    let size = |[first, second]: [f64; 2]| match rows {
+        [one, other] => {
+            let (a, b, d) = (one.square(), one.times(other), other.square());
+            let determinant = a * d - b * b;
+            let parts = [(d * first - b * second) / determinant, (a * second - b * first) / determinant];
+            parts[0].hypot(parts[1]).copysign(parts[0] * towards[0] + parts[1] * towards[1])
+        }
+        _ => first / rows[0].square(),
+    };
+    found.into_iter().map(|(row, sums)| (row, size(sums))).collect()
 }
 
 /// The limits of sticking of all contacts and frictions with these multipliers, with which nothing is held along: their events tell L₀² − T².

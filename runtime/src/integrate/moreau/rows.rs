@@ -37,18 +37,8 @@ impl Row {
         self.0.iter().find(|(i, _)| *i == place).map_or(0.0, |(_, value)| *value)
     }
 
-    /// Σ parts · rows.
-    pub fn sum<'a>(rows: impl Iterator<Item = (&'a Row, f64)>) -> Row {
-        let mut sum: Vec<(usize, f64)> = Vec::new();
-        for (row, part) in rows {
-            for (i, value) in &row.0 {
-                match sum.iter_mut().find(|(known, _)| known == i) {
-                    Some((_, known)) => *known += part * value,
-                    None => sum.push((*i, part * value)),
-                }
-            }
-        }
-        Row(sum)
+    pub fn times(&self, other: &Row) -> f64 {
+        self.0.iter().map(|(i, value)| value * other.at(*i)).sum()
     }
 }
 
@@ -94,6 +84,8 @@ pub(super) struct Begin<'a> {
     pub restitutions: &'a [f64],
     /// Rows that always act.
     pub lasting: &'a [usize],
+    /// Contacts that stick where it begins.
+    pub stuck: &'a [bool],
     pub h: f64,
 }
 
@@ -223,7 +215,8 @@ impl Assembly {
             let place = contact.restitution.map(|place| place as usize);
             let restitution = place.and_then(|place| begin.restitutions.get(place)).copied().unwrap_or(0.0);
             let (sliding, sticking) = (Limit::default(), Limit::default());
-            self.problem.sides.push(Side { contact: k, normal, tangent, count, restitution, sliding, sticking });
+            let stuck = begin.stuck[k];
+            self.problem.sides.push(Side { contact: k, normal, tangent, count, restitution, stuck, sliding, sticking });
         }
         self.jacobian = self.rows.iter().map(|row| sparse[*row].clone()).collect();
     }

@@ -7,10 +7,13 @@ use super::tally::{ContactTally, Done, Pending, Tally};
 use crate::constrain::lasting_rows;
 use crate::integrate::ends::{Ends, between_ends};
 use crate::integrate::{Control, Counters, Endpoint, NO_CONTROL, OneStep, Segment, StepFailure, Trial};
+use crate::mechanism::dense::constraint_triples;
 use crate::mechanism::{At, Contact, ContactMode, KktSolver, System};
 
 /// Numbers that dense output has for each of [q; q']: quadratic places, linear speeds.
 const PIECES: usize = 3;
+/// A rate below this part of its terms is zero.
+const STILL: f64 = 1e-12;
 /// More mean multipliers than these (160 MB) are not kept.
 const MOST_FORCES: usize = 20_000_000;
 
@@ -57,7 +60,14 @@ impl TimeStepping {
         let (q, v) = self.ends.y.split_at(n);
         let middle: Vec<f64> = q.iter().zip(v).map(|(q, v)| q + 0.5 * h * v).collect();
         let at = At::new(t + 0.5 * h, &middle, v);
-        let begin = Begin { contacts: &self.contacts, restitutions: &self.restitutions, lasting: &self.lasting, h };
+        let stuck = self.stuck(own, At::new(t, q, v));
+        let begin = Begin {
+            contacts: &self.contacts,
+            restitutions: &self.restitutions,
+            lasting: &self.lasting,
+            stuck: &stuck,
+            h,
+        };
         let mut assembly = Assembly::new(own, &mut self.solver, at, &begin)?;
         self.steps += 1;
         let guess = assembly.rows.iter().map(|row| self.impulses[*row]).collect();
@@ -81,6 +91,21 @@ impl TimeStepping {
         self.note(&assembly, &found, t + 0.5 * h, h);
         self.ends.add_work(h * power + self.pending.work);
         Ok(())
+    }
+
+    /// Which contacts stuck in the last step, or do not slide where the first one begins.
+    fn stuck(&self, system: &dyn System, at: At<'_>) -> Vec<bool> {
+        let sticks =
+            |(k, done): (usize, &ContactTally)| self.contacts[k].modes().get(done.mode) == Some(&ContactMode::Sticks);
+        if self.tally.step > 0.0 {
+            return self.tally.contacts.iter().enumerate().map(sticks).collect();
+        }
+        let triples = constraint_triples(system, at);
+        let rests = |row: u32| {
+            let [_, rate, terms] = triples[row as usize];
+            rate.abs() <= STILL * terms
+        };
+        self.contacts.iter().map(|contact| contact.tangents().all(rests)).collect()
     }
 
     /// Notes what contacts do in a step, and their multipliers.
