@@ -3,7 +3,8 @@
 use super::{Integration, StepPolicy};
 use crate::cause::Cause;
 use crate::constrain::Residuals;
-use crate::mechanism::{At, RowHistory, System};
+use crate::mechanism::dense::constraint_matrix;
+use crate::mechanism::{At, Enforcement, RowHistory, Solutions, System, rows_in_force};
 use crate::run::Recorder;
 use crate::trust::Warning;
 
@@ -14,6 +15,8 @@ const GAIN_AFTER: u64 = 20;
 const DWELLS: u32 = 100;
 /// What is nearer or farther by this part of the distance.
 const MOVES: f64 = 0.1;
+/// A coordinate that goes less far than this part of an independent one goes nowhere: what dependent rows leave of it is rounding.
+const HELD: f64 = 1e-12;
 
 /// How long the motion has been at a singular position: steps, and the least and largest distance from it in these.
 #[derive(Clone, Copy, Debug, Default)]
@@ -43,6 +46,17 @@ impl SingularDwell {
     pub fn is_there(&self) -> bool {
         self.steps > 0
     }
+}
+
+/// The coordinates that constraints leave nowhere to go; `None` where there are none.
+pub(super) fn held_coordinates(system: &dyn System, at: At<'_>) -> Option<Vec<bool>> {
+    let rows: Vec<usize> = rows_in_force(system).collect();
+    if rows.is_empty() || system.enforcement() != Enforcement::Multipliers {
+        return None;
+    }
+    let left = Solutions::of(&constraint_matrix(system, at, &rows), &[]).basis;
+    let held: Vec<bool> = left.row_iter().map(|row| row.amax() <= HELD).collect();
+    held.contains(&true).then_some(held)
 }
 
 impl Integration {

@@ -5,6 +5,7 @@ use super::{Integration, Step, StepPolicy, StopReason, finite};
 use crate::cause::Cause;
 use crate::constrain::Kinematics;
 use crate::events::{Crossing, EventLocator, Fired, Impulse, Interruption, Switched};
+use crate::integrate::StepFailure;
 use crate::mechanism::{Action, System};
 use crate::run::Recorder;
 
@@ -287,8 +288,8 @@ impl Integration {
             }
             let trial = Step { h, next: self.clock.after(h), lands: false };
             let tried = self.try_step(system, trial, true);
-            if tried.is_err() && locator.may_stop_in_space(system, function) && self.may_cut() {
-                // Newton's method does not find the direction of a rate that vanishes.
+            if matches!(tried, Err(StepFailure::Stalled { .. })) && self.may_cut() {
+                // Newton's method does not find the direction of a rate that vanishes, or only rounding.
                 return Ok(Some((trial, f64::INFINITY)));
             }
             let error = tried.map_err(|failure| failure.cause(system.description()))?;

@@ -33,7 +33,7 @@ use std::ops::ControlFlow;
 
 use act::EventCascade;
 use between::Defect;
-use constraints::SingularDwell;
+use constraints::{SingularDwell, held_coordinates};
 pub(crate) use followed::Followed;
 use interrupt::Outcome;
 use jump::JumpDetector;
@@ -471,15 +471,21 @@ impl Integration {
             }
             return_to_surfaces(system, self.clock.now(), self.stepper.state_mut());
         }
-        // The length of the step stays: what happened says little about the next one, and the error test judges it.
+        // The length of the step stays: what happened says little about the next one, and the error test judges it.  One that led to the rounding of
+        // the present instant is chosen anew.
+        if self.h < self.shortest() {
+            self.h = 0.0;
+        }
         self.control.restart();
         self.jumps.restart();
         self.since_stop = 0;
-        if let StepPolicy::Adaptive { tolerance, .. } = &mut self.policy {
-            tolerance.observe(self.stepper.start().y);
-        }
-        self.stepper.begin(system, self.clock.now()).map_err(|failure| failure.cause(system.description()))?;
         let now = self.clock.now();
+        if let StepPolicy::Adaptive { tolerance, .. } = &mut self.policy {
+            let y = self.stepper.start().y;
+            tolerance.observe(y);
+            tolerance.hold(held_coordinates(system, At::packed(now, y, system.len())), self.until - now);
+        }
+        self.stepper.begin(system, now).map_err(|failure| failure.cause(system.description()))?;
         finite(system, self.stepper.start().rate, 1).map_err(|cause| {
             let met = ends_that_meet(system, At::packed(now, self.stepper.start().y, system.len()));
             met.map_or(cause, |load| Cause::EndsMeet { load, t: now }.into())
@@ -487,6 +493,11 @@ impl Integration {
         self.find_step_again(system);
         self.sleep(system);
         Ok(())
+    }
+
+    /// The shortest step that is one beside the present time, s.
+    fn shortest(&self) -> f64 {
+        (16.0 * f64::EPSILON * self.clock.now().abs()).max(f64::MIN_POSITIVE / f64::EPSILON)
     }
 
     /// Computes dense output of the step that was tried.
@@ -568,15 +579,18 @@ impl Integration {
                     }
                     self.work.rejected += 1;
                     // Where nothing has moved yet the least error is infinitely many times too large.
-                    if outcome.is_ok() && self.stepper.errors().iter().all(|error| error.is_finite()) {
+                    let told = matches!(outcome, Ok(_) | Err(StepFailure::Stalled { .. }));
+                    if told && self.stepper.errors().iter().all(|error| error.is_finite()) {
                         self.look_for_noise(system, step);
-                        self.look_for_start_up_error(&mut stagnating, (error, h));
+                        if outcome.is_ok() {
+                            self.look_for_start_up_error(&mut stagnating, (error, h));
+                        }
                     }
                     self.h = match outcome {
                         Err(StepFailure::Stalled { .. }) => self.control.stalled(h),
                         _ => self.control.rejected(h, error),
                     };
-                    if self.h < 16.0 * f64::EPSILON * now.abs() || self.h < f64::MIN_POSITIVE / f64::EPSILON {
+                    if self.h < self.shortest() {
                         outcome.map_err(|failure| failure.cause(system.description()))?;
                         self.all_finite(system, error)?;
                         return Err(Cause::StepTooSmall { h: self.h }.into());

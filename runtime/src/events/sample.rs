@@ -1,7 +1,7 @@
 //! Event functions and arguments of switches at states and along steps.
 
 use super::certify::Sample;
-use crate::constrain::{Moment, approaches, closed_within, where_shared};
+use crate::constrain::{Moment, approaches, closed_within, grains, held_direction, where_shared};
 use crate::integrate::Segment;
 use crate::mechanism::dense::constraint_triples;
 use crate::mechanism::sliding::fractions;
@@ -456,6 +456,23 @@ pub(super) fn slides<S: System + ?Sized>(system: &S, event: usize) -> Option<f64
     let contact = contact as usize;
     let stops = system.contacts().all[contact].happened(event) == Some(ContactEvent::Stops);
     stops.then(|| system.contacts().modes(system.phase())[contact].sliding()).filter(|side| *side != 0.0)
+}
+
+/// The rate of sliding below which contacts have not begun to slide, where that rate is an event's function: the instant at which they begin is known no
+/// better; 0 for other events.
+pub(super) fn least_rates<S: System + ?Sized>(system: &S, (t, y): (f64, &[f64]), step: f64) -> Vec<f64> {
+    let events = &system.description().events;
+    if !(0..events.len()).any(|event| slides(system, event).is_some()) {
+        return vec![0.0; events.len()];
+    }
+    let grains = grains(system, &Moment { t, y, scales: &[], fastest: &[], step });
+    let of = |event: usize| match events[event].actions[..] {
+        [Action::Contact(contact)] if slides(system, event).is_some() => {
+            grains[contact as usize].max(held_direction(system, contact as usize)[2])
+        }
+        _ => 0.0,
+    };
+    (0..events.len()).map(of).collect()
 }
 
 /// Whether an event is told of by what decides it: what slides in space may stop, or have turned.

@@ -18,6 +18,8 @@ use crate::mechanism::{Coordinate, Description};
 /// coordinate takes over the rounding of a larger one beside it, φ is raised then.  What sets off from rest like a high power of
 /// time has errors of the size of its change in any step: those of its first step count as none ([`Tolerance::note_start_up_errors`]).
 ///
+/// Of a coordinate that constraints hold only their rounding changes the rate: none of it counts that moves the place by less than φ until the end.
+///
 /// What has decayed far below its largest value has absolute accuracy only.  The hidden coordinate of a state of first order, its integral, has
 /// no weight at all: 1/w = 0.
 #[derive(Clone, Debug)]
@@ -45,6 +47,8 @@ pub(crate) struct Tolerance {
     group: Vec<usize>,
     /// Hidden coordinates of states of first order, whose errors count as none.
     hidden: Vec<bool>,
+    /// Coordinates that constraints hold, with the time that is left, s; none: nothing is held.
+    held: Option<(Vec<bool>, f64)>,
     /// The largest |q| and |q'| so far of those with the same unit, where the first of them stands.
     largest: Vec<f64>,
 }
@@ -92,6 +96,7 @@ impl Tolerance {
             is_clear: true,
             group,
             hidden: mechanism.coordinates.iter().map(|coordinate| coordinate.state().is_some()).collect(),
+            held: None,
             largest: vec![0.0; start.len()],
         };
         for (k, y) in start.iter().enumerate() {
@@ -176,6 +181,20 @@ impl Tolerance {
         self.clear_up();
     }
 
+    /// Takes note of the coordinates that constraints hold from now on, for so many seconds.
+    pub fn hold(&mut self, held: Option<Vec<bool>>, span: f64) {
+        self.held = held.map(|held| (held, span));
+        (0..self.floors.len()).for_each(|k| self.floors[k] = self.floor(k));
+    }
+
+    /// What rounding of constraints makes of a rate.
+    fn held_rate(&self, k: usize) -> f64 {
+        match &self.held {
+            Some((held, span)) if k >= self.n && held[k - self.n] => ROUNDING * self.largest_alike(k - self.n) / span,
+            _ => 0.0,
+        }
+    }
+
     /// Takes note of a state on the motion.
     pub fn observe(&mut self, y: &[f64]) {
         let mut grew = false;
@@ -220,6 +239,7 @@ impl Tolerance {
         let rounding = larger(larger(ROUNDING * larger(high.abs(), low.abs()), of_rounding), raised);
         let range = if high - low > widest { widest } else { high - low };
         // Where all of it is zero an error of zero must count as none.
+        let rounding = larger(rounding, self.held_rate(k));
         larger(larger(self.relative * range, rounding), larger(self.start_up_errors[k], LEAST))
     }
 

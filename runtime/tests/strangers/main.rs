@@ -5,6 +5,7 @@ mod advice;
 mod angles;
 mod branches;
 mod by_hand;
+mod carried;
 mod contacts;
 mod control;
 mod equilibria;

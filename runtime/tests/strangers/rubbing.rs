@@ -563,3 +563,24 @@ fn friction_that_would_drive_is_refused_where_it_strikes() {
     assert!(matches!(error.cause(), Some(Cause::NegativeLimit { .. })), "{error}");
     assert!(case(&ball.replace("-0.3", "0.3")).try_run().is_ok());
 }
+
+/// A stool on three legs that slides and turns: the legs come to rest one after the other, with rates of which the direction is rounding (`static below
+/// limit` of a file without `static`, and `step too small`, before).
+#[test]
+fn a_stool_comes_to_rest_from_any_speed() {
+    for speed in [0.2, 1.2, 1.4, 2.0] {
+        let stool = format!(
+            "name: Stool\nparameters: {{m: 3 kg, g: 9.81 m/s^2, mu: 0.3 1, h: 0.25 m, b: 0.4 m, J: 0.2 kg*m^2}}\n\
+             coordinates: {{x: m, y: m, z: m, att: rotation}}\nframes: {{B: {{rotate: att}}}}\n\
+             points:\n  c: '[x, y, z]'\n  f1: c + b*B.x - h*B.z\n  f2: c - b/2*B.x + b*sqrt(3)/2*B.y - h*B.z\n  \
+             f3: c - b/2*B.x - b*sqrt(3)/2*B.y - h*B.z\n\
+             bodies: {{stool: {{mass: m, inertia: [J, J, 1.3*J], frame: B, position: c}}}}\ngravity: [0, 0, -g]\ncontacts:\n  \
+             l1: {{gap: f1.z, on: stool, at: f1, normal: '[0, 0, 1]', friction: mu}}\n  \
+             l2: {{gap: f2.z, on: stool, at: f2, normal: '[0, 0, 1]', friction: mu}}\n  \
+             l3: {{gap: f3.z, on: stool, at: f3, normal: '[0, 0, 1]', friction: mu}}\n\
+             scene: {{start: {{z: h, x': {speed}, y': 0.3, att': [0, 0, 4]}}, until: 2, tolerance: 1e-9}}\n"
+        );
+        let last = case(&stool).run().last();
+        assert!(last["x'"].abs() + last["y'"].abs() < 1e-9, "{speed}: {last}");
+    }
+}

@@ -109,6 +109,31 @@ fn a_motion_of_many_has_no_slopes() {
     assert!(told.contains("it depends on how `l`, `m`, `r` share a force"), "{told}");
 }
 
+/// A table on three or four legs that is pulled ever harder at its middle: all legs reach their limits together, and with nothing left over it begins
+/// to slide along the pull (`chattering`, or steps without end, before).
+#[test]
+fn a_table_is_pulled_until_it_slides() {
+    for (legs, sideways) in [(3, 0.0), (3, 0.3), (4, 0.3)] {
+        let table = format!(
+            "name: Table\nsizes: {{n: {legs}}}\nparameters: {{m: 8 kg, a: 0.5 m, h: 0.7 m, mu: 0.3 1, g: 9.81 m/s^2, I: 1 kg*m^2, r: 10 N/s}}\n\
+             coordinates: {{x: m, y: m, z: m, q: rotation}}\ninputs: {{f: r*t}}\nframes: {{B: {{rotate: q}}}}\ngravity: [0, 0, -g]\n\
+             bodies: {{tab: {{mass: m, inertia: [I, I, 1.5*I], frame: B, position: '[x, y, z]'}}}}\n\
+             points: {{'L[i in 0..n-1]': '[x, y, z] + a*cos(pi/4+i*2*pi/n)*B.x + a*sin(pi/4+i*2*pi/n)*B.y - h*B.z'}}\n\
+             forces: {{pull: {{on: tab, force: '[f, {sideways}*f, 0]'}}}}\nimpacts: together\n\
+             contacts: {{'c[i in 0..n-1]': {{gap: 'L[i].z', on: tab, at: 'L[i]', normal: ground.z, friction: mu}}}}\n\
+             scene: {{start: {{z: h}}, until: 3}}\n"
+        );
+        let run = case(&table).run();
+        let (last, size) = (run.last(), f64::hypot(1.0, sideways));
+        let slips = 0.3 * 8.0 * 9.81 / (10.0 * size);
+        let moved = 10.0 / 8.0 * (3.0 - slips).powi(3) / 6.0;
+        assert!((run.events[0].state.t - slips).abs() < 1e-11, "{legs}: {:?} {slips}", run.events);
+        let wrong = [("x", moved), ("y", moved * sideways)].map(|(name, right)| (last[name] - right).abs());
+        assert!(wrong.iter().all(|wrong| *wrong < 1e-9), "{legs} {sideways}: {wrong:?} {last}");
+        assert!(run.work.steps < 100 && run.events.len() <= legs, "{:?} {:?}", run.work, run.events);
+    }
+}
+
 /// A table that slides on four feet: only three of its heights and tilts are free, and which share the gate finds depends on the length of the
 /// quaternion (E520 before).
 #[test]

@@ -6,15 +6,19 @@
 
 use std::f64::consts::TAU;
 
+use nalgebra::DMatrix;
+
+use super::compatible::compatible;
+
 /// The circle is looked through in so many parts.
 const PARTS: usize = 48;
 /// A zero is a root, and no jump, where the function falls to this part of the largest that it is made of there.
-const ROOT: f64 = 1e-9;
+pub(super) const ROOT: f64 = 1e-9;
 /// Steps towards a root.
 const STEPS: usize = 100;
 /// So often several directions are found anew, until none turns by more than `SAME`, rad.
 const SWEEPS: usize = 300;
-const SAME: f64 = 1e-13;
+pub(super) const SAME: f64 = 1e-13;
 /// Keeps a ratio from being 0/0, as in generated code.
 const NO_RATE: f64 = 1e-90;
 /// A direction that is held is kept while the cosine of the angle to it is this.
@@ -45,12 +49,20 @@ pub(super) fn along([s1, s2]: [f64; 2]) -> [f64; 2] {
     [s1 / size, s2 / size]
 }
 
-/// The directions that agree with what they lead to: all for one contact, for several the one to which the guesses lead.
-pub(super) fn consistent(guesses: &[[f64; 2]], outcome: &mut Outcome<'_>) -> Vec<Vec<[f64; 2]>> {
+/// The directions that agree with what they lead to: all for one contact, for several the one to which the guesses lead, `rates` being the rates of
+/// sliding that constraints leave, as columns.
+pub(super) fn consistent(
+    guesses: &[[f64; 2]],
+    rates: Option<DMatrix<f64>>,
+    outcome: &mut Outcome<'_>,
+) -> Vec<Vec<[f64; 2]>> {
     match guesses {
         [] => vec![Vec::new()],
         [guess] => roots(*guess, &mut |d| Some(outcome(&[d])?[0])).into_iter().map(|d| vec![d]).collect(),
-        several => sweep(several.to_vec(), outcome).into_iter().collect(),
+        several => {
+            let at_once = rates.and_then(|rates| compatible(several, rates, outcome));
+            at_once.or_else(|| sweep(several.to_vec(), outcome)).into_iter().collect()
+        }
     }
 }
 
@@ -137,12 +149,12 @@ mod tests {
             // Pushed with 1, rubbed with 0.25, and at its limit.
             for rubbed in [0.25, 1.0] {
                 let found =
-                    consistent(&[[1.0, 0.0]], &mut |d| Some(vec![[x - rubbed * d[0][0], y - rubbed * d[0][1]]]));
+                    consistent(&[[1.0, 0.0]], None, &mut |d| Some(vec![[x - rubbed * d[0][0], y - rubbed * d[0][1]]]));
                 assert_eq!(found.len(), 1, "{angle} {rubbed}");
                 assert!((found[0][0][0] - x).abs() < 1e-15 && (found[0][0][1] - y).abs() < 1e-15, "{found:?}");
             }
             // More friction than push: it does not slide.
-            let found = consistent(&[[1.0, 0.0]], &mut |d| Some(vec![[x - 1.5 * d[0][0], y - 1.5 * d[0][1]]]));
+            let found = consistent(&[[1.0, 0.0]], None, &mut |d| Some(vec![[x - 1.5 * d[0][0], y - 1.5 * d[0][1]]]));
             assert!(found.is_empty(), "{found:?}");
         }
     }
@@ -156,7 +168,7 @@ mod tests {
                 [0.2 - 0.1 * a - 0.4 * p, -0.9 - 0.1 * b - 0.4 * q],
             ]
         };
-        let found = consistent(&[[1.0, 0.0], [1.0, 0.0]], &mut |d| Some(outcome(d)));
+        let found = consistent(&[[1.0, 0.0], [1.0, 0.0]], None, &mut |d| Some(outcome(d)));
         let [both] = found.as_slice() else { panic!("{found:?}") };
         for ([x, y], [a, b]) in both.iter().zip(outcome(both)) {
             assert!((x * b - y * a).abs() < 1e-12 && x * a + y * b > 0.0, "{both:?}");

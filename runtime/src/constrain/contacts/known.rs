@@ -2,6 +2,7 @@
 
 use super::modes::Change;
 use super::share::with_shares;
+use super::trials::compliance;
 use super::{Kinematics, Moment, Situation, combinations};
 use crate::mechanism::{At, Contact, ContactEvent, ContactMode, System};
 
@@ -98,26 +99,38 @@ pub(super) fn known(
 /// begins: at its limit it hardly moves at first, and turns as fast as it is slow.
 pub(super) fn with_grain(
     system: &dyn System,
-    &Moment { t, y, step, .. }: &Moment<'_>,
+    moment: &Moment<'_>,
     compliance: &[f64],
     mut known: Vec<Known>,
 ) -> Vec<Known> {
-    let (contacts, n) = (&system.contacts().all, system.len());
-    if step == 0.0 || !contacts.iter().any(|contact| contact.direction.is_some()) {
+    let contacts = &system.contacts().all;
+    if !contacts.iter().any(|contact| contact.direction.is_some()) {
         return known;
     }
+    let grains = grains_of(system, moment, compliance);
+    for ((known, grain), _) in
+        known.iter_mut().zip(grains).zip(contacts.iter()).filter(|(_, contact)| contact.direction.is_some())
+    {
+        known.least = known.least.max(grain);
+    }
+    known
+}
+
+/// What friction does to the sliding rate of each contact in the part of a step to which its instants are known: slower it has not begun to slide.
+pub(crate) fn grains<S: System + ?Sized>(system: &S, moment: &Moment<'_>) -> Vec<f64> {
+    grains_of(system, moment, &compliance(system, At::packed(moment.t, moment.y, system.len())))
+}
+
+fn grains_of<S: System + ?Sized>(system: &S, &Moment { t, y, step, .. }: &Moment<'_>, compliance: &[f64]) -> Vec<f64> {
+    let (contacts, n) = (&system.contacts().all, system.len());
     let (mut a, mut lambda) = (vec![0.0; n], vec![0.0; system.description().rows.len()]);
     let at = At::packed(t, y, n);
-    if system.accelerations_and_multipliers(at, &mut a, &mut lambda).is_err() {
-        return known;
+    if step == 0.0 || system.accelerations_and_multipliers(at, &mut a, &mut lambda).is_err() {
+        return vec![0.0; contacts.len()];
     }
     let mut pairs = vec![0.0; 2 * system.description().events.len()];
     system.events(at.accelerated(&a).constrained(&lambda), &mut pairs);
-    for (known, contact) in known.iter_mut().zip(contacts.iter()).filter(|(_, contact)| contact.direction.is_some()) {
-        let slows = slowed(contact, (&pairs, &lambda), compliance);
-        known.least = known.least.max(GRAIN * step * slows);
-    }
-    known
+    contacts.iter().map(|contact| GRAIN * step * slowed(contact, (&pairs, &lambda), compliance)).collect()
 }
 
 /// By how much friction at its limit changes the sliding rate of a contact; `pairs` are of all events.

@@ -2,14 +2,17 @@
 //!
 //! 1. Which combination of modes the forces agree with: look in `modes.rs`; what is known of each contact at the instant: `known.rs`; forces and
 //!    accelerations under one combination: `trials.rs`; whether what counts as open would be pressed: `springs.rs`.
-//!    In which direction what slides in space begins to: look in `directions.rs`; where that is stiff: `stiff.rs`.
+//!    In which direction what slides in space begins to: look in `directions.rs`; that of several together: `compatible.rs`; where that is stiff:
+//!    `stiff.rs`.
 //! 2. Limits of friction that are none: look in `limits.rs`.
-//! 3. How several that stick share a force: look in `share.rs`, and in `bounds.rs` for the linear programme.
+//! 3. How several that stick share a force: look in `share.rs`, and in `least_largest.rs` for the best of all shares.
 //! 4. Impacts of several at once, by a stated law: look in `strike.rs`.
 
 mod bounds;
+mod compatible;
 mod directions;
 mod known;
+mod least_largest;
 mod limits;
 mod modes;
 mod share;
@@ -19,6 +22,7 @@ mod strike;
 mod trials;
 
 pub(crate) use directions::direction;
+pub(crate) use known::grains;
 pub(crate) use limits::possible_limits;
 pub(crate) use modes::{Change, Turned, is_released, settle, turned};
 pub(crate) use share::{where_shared, with_shares};

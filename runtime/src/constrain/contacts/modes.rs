@@ -9,13 +9,14 @@ use super::known::{Known, direction_of_force, in_order, known, with_grain};
 use super::limits::{part_of_sticking, possible_limits_of};
 use super::share::with_shares;
 use super::strike::Strike;
-use super::trials::{Kind, Shared, Sign, Trial, agrees, alike, compliance, enter, margins, trial_of, tried};
+use super::trials::{
+    Kind, RELEASED, Shared, Sign, Trial, agrees, alike, compliance, enter, margins, slides_where_sticks, trial_of,
+    tried,
+};
 use super::{Kinematics, Moment, STILL, Situation, held_direction, hold_direction, words};
 use crate::cause::Cause;
 use crate::mechanism::{At, ContactEvent, ContactMode, System, rows_in_force};
 
-/// A force at its limit is so to the rounding of its instant; one that is further below it, as a part of it, is held by less.
-const RELEASED: f64 = 1e-6;
 /// What slides more slowly than this part of the terms of its rate, and could be held by this part of its friction of sliding, stops.
 const SLOW: f64 = 1e-7;
 const ENOUGH: f64 = 0.95;
@@ -90,23 +91,33 @@ pub(crate) fn settle(system: &mut dyn System, moment: &Moment<'_>, change: Chang
     let modes_before = system.modes().to_vec();
     let before_it = (!matches!(change, Change::Start(_))).then_some(situation.modes.as_slice());
     let stops = matches!(change, Change::Event { what: ContactEvent::Stops, .. });
-    for modes in in_order(before_it, &known, stops) {
-        trials.extend(tried(system, (t, y), shared, modes));
-    }
-    system.set_phase(before);
-    system.set_memory(&memory_before);
     let forced = match change {
         Change::Event { contact, what: ContactEvent::Lifts } => Some((contact, Kind::Opens)),
         Change::Event { contact, what: ContactEvent::Slips } => Some((contact, Kind::Slides)),
         _ => None,
     };
+    let mut held: Vec<Trial> = Vec::new();
+    for modes in in_order(before_it, &known, stops) {
+        // What sticks with something left over begins nowhere to slide.
+        if held.iter().any(|trial| slides_where_sticks(&modes, &trial.modes, &known)) {
+            continue;
+        }
+        let first = trials.len();
+        trials.extend(tried(system, (t, y), shared, modes));
+        let holds = |trial: &&Trial| trial.holds() && agrees(trial, &trials, forced);
+        held.extend(trials[first..].iter().filter(holds).cloned());
+    }
+    system.set_phase(before);
+    system.set_memory(&memory_before);
     let agree: Vec<&Trial> = trials.iter().filter(|trial| agrees(trial, &trials, forced)).collect();
     let alike = alike(&trials);
     // What may stick does not begin to slide, though it might, being held by more than what slides is.
     let agree: Vec<&Trial> = agree
         .iter()
         .copied()
-        .filter(|one| !agree.iter().any(|other| !alike(one, other) && one.slides_where_sticks(other, &known)))
+        .filter(|one| {
+            !agree.iter().any(|other| !alike(one, other) && slides_where_sticks(&one.modes, &other.modes, &known))
+        })
         .collect();
     let chosen = match agree.as_slice() {
         [] => None,
@@ -298,8 +309,9 @@ fn lasting<'a>(
         let same = self::alike(&all);
         let part = |one: &Trial| all.iter().any(|other| !same(one, other));
         if all.len() == alike.len() && all.iter().any(part) {
-            let gives_way =
-                |one: &Trial| all.iter().any(|other| !same(one, other) && one.slides_where_sticks(other, shared.known));
+            let gives_way = |one: &Trial| {
+                all.iter().any(|other| !same(one, other) && slides_where_sticks(&one.modes, &other.modes, shared.known))
+            };
             return all.iter().position(|one| !gives_way(one)).map_or(alike[0], |first| alike[first]);
         }
     }
@@ -308,7 +320,8 @@ fn lasting<'a>(
 
 /// The first of some trials that slides nowhere where another one sticks.
 fn sticking_most<'a>(trials: &[&'a Trial], known: &[Known]) -> &'a Trial {
-    let gives_way =
-        |one: &Trial| trials.iter().any(|other| other.modes != one.modes && one.slides_where_sticks(other, known));
+    let gives_way = |one: &Trial| {
+        trials.iter().any(|other| other.modes != one.modes && slides_where_sticks(&one.modes, &other.modes, known))
+    };
     trials.iter().copied().find(|one| !gives_way(one)).unwrap_or(trials[0])
 }

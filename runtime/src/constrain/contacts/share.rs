@@ -7,15 +7,11 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::IN_SPAN;
-use super::bounds::{Bound, lowest};
+use super::least_largest::{Part, least_largest};
 use crate::matrix::svd;
 use crate::mechanism::dense::constraint_matrix;
 use crate::mechanism::{At, ContactEvent, ContactMode, Singular, System, rows_in_force};
 
-/// Sizes that exceed their bounds by less, in parts of a limit, are as good as met: some hundred roundings, beside which instants of slipping are known.
-const EXACT: f64 = 1e-13;
-/// Rounds in which bounds are added to what is round, at the most: where they do not come to an end, as by rounding, the best share so far is taken.
-const ROUNDS: usize = 60;
 /// What can hold nothing has this part of the largest limit, so that it is given no force that another one can take.
 const LEAST: f64 = 1e-12;
 
@@ -149,116 +145,43 @@ impl Group {
     }
 }
 
-/// T/L of one contact: `force` + `idle` w.
-struct Part {
-    force: DVector<f64>,
-    idle: DMatrix<f64>,
-}
-
-impl Part {
-    fn at(&self, w: &DVector<f64>) -> DVector<f64> {
-        &self.force + &self.idle * w
-    }
-
-    /// The part in a direction, an affine function of w that is never more than the size.
-    fn along(&self, direction: &DVector<f64>) -> Bound {
-        Bound { slope: self.idle.tr_mul(direction), value: self.force.dot(direction) }
-    }
-}
-
-/// w at which the largest size of all parts is the least: by bounds that touch the sizes, more of them where one is not yet exact
-/// (Kelley, J. SIAM 8, 1960, 703).
-fn least_largest(parts: &[Part]) -> Option<DVector<f64>> {
-    let unknowns = parts.first()?.idle.ncols();
-    let all: Vec<f64> = parts.iter().flat_map(|part| part.force.iter().copied()).collect();
-    if all.iter().any(|x| !x.is_finite()) || parts.iter().any(|part| part.idle.iter().any(|x| !x.is_finite())) {
-        return None;
-    }
-    let mut rows = DMatrix::zeros(all.len(), unknowns);
-    let mut first = 0;
-    for part in parts {
-        rows.rows_mut(first, part.idle.nrows()).copy_from(&part.idle);
-        first += part.idle.nrows();
-    }
-    // From the least sum of squares on; rows that are rounding count for nothing in it.
-    let svd = svd(rows, true, true)?;
-    let nothing = IN_SPAN * svd.singular_values.max();
-    let mut w: DVector<f64> = -svd.solve(&DVector::from_vec(all), nothing).ok()?;
-    let mut bounds: Vec<Bound> = Vec::new();
-    for part in parts {
-        for axis in 0..part.force.len() {
-            for sign in [1.0, -1.0] {
-                let direction = DVector::from_fn(part.force.len(), |i, _| if i == axis { sign } else { 0.0 });
-                bounds.push(part.along(&direction));
-            }
-        }
-    }
-    for _ in 0..ROUNDS {
-        let largest = lowest(&bounds, &mut w)?;
-        let count = bounds.len();
-        for part in parts {
-            let size = part.at(&w).norm();
-            if size > largest + EXACT * largest.max(1.0) {
-                bounds.push(part.along(&(part.at(&w) / size)));
-            }
-        }
-        if bounds.len() == count {
-            break;
-        }
-    }
-    Some(w)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn part(force: &[f64], idle: &[&[f64]], limit: f64) -> Part {
-        let rows = DMatrix::from_fn(idle.len(), idle[0].len(), |i, j| idle[i][j]);
-        Part { force: DVector::from_column_slice(force) / limit, idle: rows / limit }
-    }
-
-    fn largest(parts: &[Part]) -> f64 {
-        let w = least_largest(parts).expect("a share");
-        parts.iter().map(|part| part.at(&w).norm()).fold(0.0, f64::max)
-    }
-
+    /// Feet of a plate that is pushed and turned, each share to twelve digits: none can be better.
     #[test]
-    fn all_in_one_line_reach_their_limits_together() {
-        // 26 N on two feet; on three with other limits: 26/(3 + 5 + 7).
-        let two = [part(&[0.0], &[&[1.0]], 13.0), part(&[26.0], &[&[-1.0]], 26.0)];
-        assert!((largest(&two) - 26.0 / 39.0).abs() < 1e-14);
-        let three = [
-            part(&[26.0], &[&[-1.0, -1.0]], 3.0),
-            part(&[0.0], &[&[1.0, 0.0]], 5.0),
-            part(&[0.0], &[&[0.0, 1.0]], 7.0),
-        ];
-        assert!((largest(&three) - 26.0 / 15.0).abs() < 1e-13);
-    }
-
-    #[test]
-    fn in_space_sizes_count() {
-        // Two feet along x, pushed across and along: what is along is shared so that hypot(3, p) and hypot(1, 4 − p) are alike.
-        let feet = [part(&[4.0, 3.0], &[&[-1.0], &[0.0]], 1.0), part(&[0.0, 1.0], &[&[1.0], &[0.0]], 1.0)];
-        // 9 + p² = 1 + (4 − p)²: p = 1.
-        assert!((largest(&feet) - 10.0_f64.sqrt()).abs() < 1e-12, "{}", largest(&feet));
-    }
-
-    /// Feet along x of which idle forces across are rounding of rounding: as equations they would ask for 10²⁷.
-    #[test]
-    fn what_is_rounding_moves_nothing() {
-        let feet = [
-            Part {
-                force: DVector::from_vec(vec![-1.427212141897822, -0.28931022396251604]),
-                idle: DMatrix::from_column_slice(2, 1, &[-0.14562399883500696, 1.866863440011213e-17]),
-            },
-            Part {
-                force: DVector::from_vec(vec![-1.427212141897822, -0.2893102239625161]),
-                idle: DMatrix::from_column_slice(2, 1, &[0.14562399883500698, -1.8094811928646528e-28]),
-            },
-        ];
-        let w = least_largest(&feet).expect("a share");
-        assert!(w.amax() < 1e-9, "{w}");
+    fn the_best_share_is_exact() {
+        let places = [[0.5, 0.1], [-0.3, 0.4], [0.0, -0.6], [0.2, 0.7], [-0.8, -0.2]];
+        for count in 2..=5 {
+            let rates = DMatrix::from_fn(2 * count, 3, |i, j| match j {
+                2 => [-places[i / 2][1], places[i / 2][0]][i % 2],
+                j => f64::from(u8::from(i % 2 == j)),
+            });
+            let idle = idle(&rates).expect("idle forces");
+            for push in [[1.0, 0.0, 0.0], [0.3, -0.8, 0.2], [0.0, 0.0, 1.0]] {
+                let held = &rates
+                    * crate::matrix::solve_least(&rates.tr_mul(&rates), &DMatrix::from_column_slice(3, 1, &push))
+                        .expect("forces");
+                let limit = |k: usize| 1.0 + 0.7 * k as f64;
+                let parts: Vec<Part> = (0..count)
+                    .map(|k| Part {
+                        force: DVector::from_fn(2, |i, _| held[2 * k + i]) / limit(k),
+                        idle: idle.rows(2 * k, 2) / limit(k),
+                    })
+                    .collect();
+                let w = least_largest(&parts).expect("a share");
+                let most = |w: &DVector<f64>| parts.iter().map(|part| part.at(w).norm()).fold(0.0, f64::max);
+                let best = most(&w);
+                for i in 0..w.len() {
+                    for step in [1e-3, -1e-3, 1e-6, -1e-6] {
+                        let mut moved = w.clone();
+                        moved[i] += step;
+                        assert!(most(&moved) >= best * (1.0 - 1e-12), "{count} {push:?}: {best}, {}", most(&moved));
+                    }
+                }
+            }
+        }
     }
 
     #[test]

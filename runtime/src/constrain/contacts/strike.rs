@@ -323,7 +323,7 @@ impl Collision {
             sliding.iter().zip(to).for_each(|(k, direction)| directions[*k] = *direction);
             directions.clone()
         };
-        let found = consistent(&guesses, &mut |to| {
+        let found = consistent(&guesses, None, &mut |to| {
             let after = stage.rates + &self.flexibility * self.impulses_along(stage, modes, &aim(to))?;
             Some(sliding.iter().map(|k| self.sides[*k].sliding(&after)).collect())
         });

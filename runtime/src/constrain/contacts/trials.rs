@@ -1,5 +1,7 @@
 //! Forces and accelerations under one combination of modes, and whether they agree with it.
 
+use nalgebra::DMatrix;
+
 use super::directions::{along, consistent};
 use super::known::Known;
 use super::modes::PutOnSides;
@@ -8,7 +10,7 @@ use super::springs::length_of_springs;
 use super::{held_direction, hold_direction};
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{constraint_matrix, mass_matrix};
-use crate::mechanism::{At, ContactEvent, ContactMode, Enforcement, System, rows_in_force};
+use crate::mechanism::{At, ContactEvent, ContactMode, Enforcement, Solutions, System, rows_in_force};
 
 /// A force, or an acceleration, below this part of the largest under any combination is zero.
 const NOTHING: f64 = 1e-10;
@@ -17,6 +19,8 @@ const NOTHING: f64 = 1e-10;
 const MET: f64 = 1e-7;
 /// Accelerations that differ by less than this part of the largest are the same motion.
 const ALIKE: f64 = 1e-8;
+/// A force at its limit is so to the rounding of its instant; one that is further below it, as a part of it, is held by less.
+pub(super) const RELEASED: f64 = 1e-6;
 
 /// What all combinations share.
 #[derive(Clone, Copy)]
@@ -68,13 +72,19 @@ pub(super) fn alike(trials: &[Trial]) -> impl Fn(&Trial, &Trial) -> bool {
 }
 
 impl Trial {
-    /// Whether all that it does otherwise than another is to slide where the other one sticks.
-    pub fn slides_where_sticks(&self, other: &Trial, known: &[Known]) -> bool {
-        let instead = |((own, other), known): ((&ContactMode, &ContactMode), &Known)| {
-            own == other || known.rolls && own.sliding() != 0.0 && *other == ContactMode::Sticks
-        };
-        self.modes.iter().zip(&other.modes).zip(known).all(instead)
+    /// Whether something sticks, and all that does could hold more.
+    pub fn holds(&self) -> bool {
+        let mut left_over = self.signs.iter().flatten().filter(|sign| sign.kind == Kind::Holds).peekable();
+        left_over.peek().is_some() && left_over.all(|sign| sign.value > RELEASED)
     }
+}
+
+/// Whether all that a combination does otherwise than another is to slide where the other one sticks.
+pub(super) fn slides_where_sticks(modes: &[ContactMode], other: &[ContactMode], known: &[Known]) -> bool {
+    let instead = |((own, other), known): ((&ContactMode, &ContactMode), &Known)| {
+        own == other || known.rolls && own.sliding() != 0.0 && *other == ContactMode::Sticks
+    };
+    modes.iter().zip(other).zip(known).all(instead)
 }
 
 /// Puts a combination in force, with the sides of discontinuities that it has where a motion begins.
@@ -101,6 +111,7 @@ pub(super) fn tried(
         _ => against_forces(system, at, &modes, &beginning),
     };
     enter(system, at, shared, &modes);
+    let rates = (guesses.len() > 1).then(|| rates_left(system, at, &beginning));
     let aimed = |system: &mut dyn System, directions: &[[f64; 2]]| {
         for (k, direction) in beginning.iter().zip(directions) {
             hold_direction(system, *k, *direction, shared.known[*k].least);
@@ -108,7 +119,7 @@ pub(super) fn tried(
     };
     let tangents: Vec<Option<usize>> =
         system.contacts().all.iter().map(|contact| contact.tangent.map(|row| row as usize)).collect();
-    let found = consistent(&guesses, &mut |directions| {
+    let found = consistent(&guesses, rates, &mut |directions| {
         aimed(system, directions);
         let Motion { second, .. } = Motion::of(system, at)?;
         beginning.iter().map(|k| tangents[*k].map(|row| [second[row], second[row + 1]])).collect()
@@ -120,6 +131,16 @@ pub(super) fn tried(
     }
     system.set_memory(&memory);
     trials
+}
+
+/// The rates of sliding of these contacts that the constraints in force leave, as columns.
+fn rates_left(system: &dyn System, (t, y): (f64, &[f64]), contacts: &[usize]) -> DMatrix<f64> {
+    let at = At::packed(t, y, system.len());
+    let held: Vec<usize> = rows_in_force(system).collect();
+    let left = Solutions::of(&constraint_matrix(system, at, &held), &[]).basis;
+    let all = &system.contacts().all;
+    let sliding: Vec<usize> = contacts.iter().flat_map(|k| all[*k].tangents()).map(|row| row as usize).collect();
+    constraint_matrix(system, at, &sliding) * left
 }
 
 /// The directions against the forces with which contacts would stick.
@@ -233,7 +254,7 @@ pub(super) fn trial_of(
 }
 
 /// J M⁻¹ Jᵀ of each row by itself.
-pub(super) fn compliance(system: &dyn System, at: At<'_>) -> Vec<f64> {
+pub(super) fn compliance<S: System + ?Sized>(system: &S, at: At<'_>) -> Vec<f64> {
     let rows: Vec<usize> = (0..system.description().rows.len()).collect();
     let matrix = constraint_matrix(system, at, &rows);
     let response = solve_least(&mass_matrix(system, at), &matrix.transpose());

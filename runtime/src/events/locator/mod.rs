@@ -465,7 +465,8 @@ impl EventLocator {
         self.choose(system, (t, y), None, trial)?;
         self.scanner
             .activate(system, &never_stopping(system, &Moment { t, y, scales: &[], fastest: &[], step: self.step }));
-        for function in 0..self.sampler.events() {
+        let least = sample::least_rates(system, (t, y), self.step);
+        for (function, least) in least.into_iter().enumerate() {
             // One that slept until now has no size yet but what it gains in a step.
             let seen = self.scanner.largest(function);
             let variation = match self.scanner.awake(function) {
@@ -486,12 +487,12 @@ impl EventLocator {
                 None => ON * seen.max(variation),
             };
             let on = value.is_nan()
-                || value.abs() <= near
+                || value.abs() <= near.max(least)
                 || value.abs() <= self.sampler.rounding_at(system, function, (t, y));
             self.scanner.sides[function] = if on { 0.0 } else { value.signum() };
             self.scanner.fresh[function] = true;
             self.scanner.leaving[function] = 0.0;
-            self.scanner.zero[function] = if on { self.surface_of(system, function, (t, y)) } else { 0.0 };
+            self.scanner.zero[function] = if on { self.surface_of(system, function, (t, y)).max(least) } else { 0.0 };
         }
         for function in 0..self.sampler.events() {
             if self.scanner.sides[function] == 0.0 && self.scanner.awake(function) {

@@ -1,6 +1,6 @@
 //! Events where a motion starts or ends.
 
-use super::super::modes;
+use super::super::{modes, sample};
 use super::{EventLocator, Fired, counts};
 use crate::mechanism::{Action, Direction, System};
 
@@ -14,7 +14,8 @@ impl EventLocator {
         beside: Option<&[f64]>,
         (step, span): (f64, f64),
     ) {
-        for event in 0..self.sampler.events() {
+        let least = sample::least_rates(system, (t, y), step);
+        for (event, least) in least.into_iter().enumerate() {
             let mut zero = self.sampler.zero_at_start(system, event, (t, y), step);
             let zero_beside = beside.map(|y| {
                 let zero = self.sampler.zero_at_start(system, event, (t, y), step);
@@ -25,6 +26,7 @@ impl EventLocator {
             if zero_beside == Some(true) {
                 zero = zero.max(value.abs());
             }
+            let zero = zero.max(least);
             // A force that holds was decided to be within its limits: what it is beyond them is rounding.
             let zero = if self.scanner.holds(event) { zero.max(-value) } else { zero };
             let on = value.is_nan() || value.abs() <= zero;

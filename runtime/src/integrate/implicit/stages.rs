@@ -6,6 +6,7 @@ use super::tableau::{STAGES, Tableau, sum};
 use crate::integrate::linear::Pencil;
 use crate::integrate::tolerance::{alike, larger};
 use crate::integrate::{StepFailure, Tolerance};
+use crate::matrix::{factor_lu, solve_lu};
 use crate::mechanism::{AccelerationSlopes, At, System};
 
 /// Accelerations at the nodes of a step, and what places and speeds have changed by until there; stage by stage.
@@ -94,6 +95,15 @@ impl Stages {
         for j in 0..n {
             at[j] = y[j] + self.places[i * n + j];
             at[n + j] = y[n + j] + self.speeds[i * n + j];
+        }
+    }
+
+    /// By how much the last correction changed [q; q'] over a step of h at the most.
+    pub fn corrected(&self, h: f64, errors: &mut [f64]) {
+        let n = errors.len() / 2;
+        for j in 0..n {
+            let largest = self.left.iter().skip(j).step_by(n).fold(0.0_f64, |most, left| most.max(left.abs()));
+            (errors[j], errors[n + j]) = (0.5 * h * h * largest, h * largest);
         }
     }
 
@@ -190,7 +200,62 @@ impl Newton {
                 }
             }
         }
-        outcome
+        match tolerance {
+            Some(tolerance) => self.iterate_with_all::<S>(system, from, stages, tolerance, at),
+            None => outcome,
+        }
+    }
+
+    /// Newton's method with the Jacobians of each stage, for all stages at once: where they differ by orders of magnitude, as where sliding begins, none
+    /// of them serves the others.
+    fn iterate_with_all<const S: usize>(
+        &mut self,
+        system: &dyn System,
+        from: From<'_>,
+        stages: &mut Stages,
+        tolerance: &Tolerance,
+        at: &mut [f64],
+    ) -> Result<(), StepFailure> {
+        let (n, h) = (self.n, from.h);
+        let size = S * n;
+        let (mut matrix, mut pivots) = (vec![0.0; size * size], vec![0; size]);
+        let mut before = f64::INFINITY;
+        stages.accelerations.copy_from_slice(&stages.guess);
+        stages.follow::<S>(self.tableau, from);
+        self.usual = 0;
+        self.contraction = 0.0;
+        for _ in 0..MOST_LOOSE {
+            self.left::<S>(system, from, stages, at)?;
+            for i in 0..S {
+                stages.state(i, from.y, at);
+                self.slopes.evaluate(system, At::packed(from.t + self.tableau.nodes[i].value() * h, at, n))?;
+                self.jacobians += 1;
+                let (places, speeds) = (self.slopes.by_place(), self.slopes.by_speed());
+                for (j, l, k) in (0..S).flat_map(|j| (0..n).flat_map(move |l| (0..n).map(move |k| (j, l, k)))) {
+                    let [by_place, by_speed] = [self.tableau.places, self.tableau.speeds].map(|a| a[i * S + j].value());
+                    let unit = f64::from(u8::from(i == j && l == k));
+                    matrix[(i * n + l) * size + j * n + k] =
+                        unit - h * (by_speed * speeds[l * n + k] + h * by_place * places[l * n + k]);
+                }
+            }
+            self.factorizations += 1;
+            if !factor_lu(&mut matrix, &mut pivots) {
+                break;
+            }
+            solve_lu(&matrix, &pivots, &mut stages.left[..size]);
+            stages.accelerations.iter_mut().zip(&stages.left).for_each(|(k, correction)| *k += correction);
+            stages.follow::<S>(self.tableau, from);
+            let correction = self.in_units::<S>(from, stages, tolerance);
+            // Each one is of the order of the square of the one before.
+            if correction * (correction / before).min(1.0) <= LEFT {
+                return self.prepare(system, from, Jacobians::Middle, stages, at);
+            }
+            if !correction.is_finite() {
+                break;
+            }
+            before = correction;
+        }
+        Err(StepFailure::Stalled { h })
     }
 
     /// Takes Jacobians that are to be new, and the pencils of this step.

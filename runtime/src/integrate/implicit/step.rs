@@ -130,7 +130,12 @@ impl OneStep for Collocation {
         let from = From { t, h, y: &self.ends.y, carry: &self.ends.carry };
         let solved = self.newton.solve(system, from, &mut self.stages, tolerance, &mut self.room);
         if let Err(failure) = solved {
-            self.errors.fill(f64::NAN);
+            match failure {
+                // What corrections still change may be rounding.
+                StepFailure::Stalled { .. } => self.stages.corrected(h, &mut self.errors),
+                _ => self.errors.fill(f64::NAN),
+            }
+            self.ends.end.copy_from_slice(&self.ends.y);
             self.previous_step = 0.0;
             return Err(failure);
         }

@@ -67,6 +67,7 @@ impl Rosenbrock {
             self.counters.factorizations += 1;
             if !self.pencil.factor(&self.slopes, self.tableau.gamma * h) {
                 self.factored = 0.0;
+                self.stages[STAGES - 1].fill(f64::NAN);
                 return Err(StepFailure::Stalled { h });
             }
         }
