@@ -18,9 +18,9 @@ mod start_conditions;
 
 pub(crate) use branch::{Elsewhere, other_branch};
 pub(crate) use contacts::{
-    Change, Kinematics, Moment, Strike, Turned, approaches, begins_stiffly, closed_within, direction,
-    follow_directions, grains, held_direction, is_released, kinematics, lasting_rows, never_stopping, possible_limits,
-    resting_open, settle, slides_in_space, strike, turned, where_shared, with_shares,
+    Change, Kinematics, Moment, STILL, Strike, Turned, approaches, begins_stiffly, closed_within, direction,
+    follow_directions, held_direction, is_released, kinematics, lasting_rows, never_stopping, possible_limits,
+    resting_open, settle, slides_in_space, strike, turned, unresolved_rates, where_shared, with_shares,
 };
 pub(crate) use impact::{VelocityJump, possible_restitution, possible_restitutions, velocity_jump};
 pub(crate) use projection::Projection;

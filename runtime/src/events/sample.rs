@@ -1,7 +1,7 @@
 //! Event functions and arguments of switches at states and along steps.
 
 use super::certify::Sample;
-use crate::constrain::{Moment, approaches, closed_within, grains, held_direction, where_shared};
+use crate::constrain::{Moment, approaches, closed_within, held_direction, unresolved_rates, where_shared};
 use crate::integrate::Segment;
 use crate::mechanism::dense::constraint_triples;
 use crate::mechanism::sliding::fractions;
@@ -465,10 +465,10 @@ pub(super) fn least_rates<S: System + ?Sized>(system: &S, (t, y): (f64, &[f64]),
     if !(0..events.len()).any(|event| slides(system, event).is_some()) {
         return vec![0.0; events.len()];
     }
-    let grains = grains(system, &Moment { t, y, scales: &[], fastest: &[], step });
+    let unresolved = unresolved_rates(system, &Moment { t, y, scales: &[], fastest: &[], step });
     let of = |event: usize| match events[event].actions[..] {
         [Action::Contact(contact)] if slides(system, event).is_some() => {
-            grains[contact as usize].max(held_direction(system, contact as usize)[2])
+            unresolved[contact as usize].max(held_direction(system, contact as usize)[2])
         }
         _ => 0.0,
     };

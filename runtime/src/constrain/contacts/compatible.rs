@@ -30,8 +30,8 @@ pub(super) fn compatible(
 ) -> Option<Vec<[f64; 2]>> {
     let count = guesses.len();
     let span = span(rates)?;
-    let sizes = sizes(guesses, &span)?;
-    let mut unknowns = span.tr_mul(&DVector::from_fn(2 * count, |i, _| sizes[i / 2] * guesses[i / 2][i % 2]));
+    let guessed = sizes(guesses, &span)?;
+    let mut unknowns = span.tr_mul(&DVector::from_fn(2 * count, |i, _| guessed[i / 2] * guesses[i / 2][i % 2]));
     let mut last = f64::INFINITY;
     for _ in 0..STEPS {
         let rates = &span * &unknowns;
@@ -41,42 +41,19 @@ pub(super) fn compatible(
             return None;
         }
         let directions: Vec<[f64; 2]> = (0..count).map(|k| along([rates[2 * k], rates[2 * k + 1]])).collect();
-        let found = outcome(&directions)?;
-        let parts = |k: usize, [a, b]: [f64; 2]| {
-            let [x, y] = directions[k];
-            [x * a + y * b, x * b - y * a]
-        };
-        // By the angles first.
-        let mut changes = DMatrix::zeros(count, count);
-        let mut largest = 0.0_f64;
-        for j in 0..count {
-            let mut turned = directions.clone();
-            let [x, y] = turned[j];
-            turned[j] = along([x - TURN * y, y + TURN * x]);
-            let then = outcome(&turned)?;
-            for k in 0..count {
-                let change = [0, 1].map(|i| (then[k][i] - found[k][i]) / TURN);
-                largest = largest.max(change[0].hypot(change[1]));
-                changes[(k, j)] = parts(k, change)[1];
-            }
-            changes[(j, j)] -= parts(j, found[j])[0];
-        }
+        let led_to = LedTo::by(&directions, outcome)?;
         let turns = DMatrix::from_fn(count, unknowns.len(), |k, i| {
-            let [x, y] = directions[k];
-            (x * span[(2 * k + 1, i)] - y * span[(2 * k, i)]) / sizes[k]
+            parts(directions[k], [span[(2 * k, i)], span[(2 * k + 1, i)]])[1] / sizes[k]
         });
-        let across = DMatrix::from_fn(count, 1, |k, _| -parts(k, found[k])[1]);
         // The unknowns are all alike, and sizes that change nothing stay.
-        let by_rates = svd(changes * &turns, true, true)?;
+        let by_rates = svd(&led_to.changes * &turns, true, true)?;
         let nothing = IN_SPAN * by_rates.singular_values.max();
-        let step = by_rates.solve(&across, nothing).ok()?.column(0).into_owned();
+        let step = -by_rates.solve(&led_to.across, nothing).ok()?;
         let angle = (&turns * &step).amax();
-        if angle <= SAME || angle >= last && across.amax() <= ROOT * largest {
-            let agrees = |k: usize| {
-                let [forwards, across] = parts(k, found[k]);
-                across.abs() <= ROOT * largest && forwards >= -ROOT * largest
-            };
-            return (0..count).all(agrees).then_some(directions);
+        let zero = ROOT * led_to.largest;
+        if angle <= SAME || angle >= last && led_to.across.amax() <= zero {
+            let agrees = led_to.across.amax() <= zero && led_to.forwards.iter().all(|forwards| *forwards >= -zero);
+            return agrees.then_some(directions);
         }
         last = angle;
         unknowns += step * (FAR / angle).min(1.0);
@@ -84,6 +61,44 @@ pub(super) fn compatible(
         unknowns /= size;
     }
     None
+}
+
+/// What directions lead to.
+struct LedTo {
+    /// Along each of them, and across.
+    forwards: Vec<f64>,
+    across: DVector<f64>,
+    /// How what is across changes with the angle of each, and the largest change of all.
+    changes: DMatrix<f64>,
+    largest: f64,
+}
+
+impl LedTo {
+    fn by(directions: &[[f64; 2]], outcome: &mut Outcome<'_>) -> Option<LedTo> {
+        let count = directions.len();
+        let found = outcome(directions)?;
+        let forwards: Vec<f64> = (0..count).map(|k| parts(directions[k], found[k])[0]).collect();
+        let across = DVector::from_fn(count, |k, _| parts(directions[k], found[k])[1]);
+        let (mut changes, mut largest) = (DMatrix::zeros(count, count), 0.0_f64);
+        for j in 0..count {
+            let mut turned = directions.to_vec();
+            let [x, y] = turned[j];
+            turned[j] = along([x - TURN * y, y + TURN * x]);
+            let then = outcome(&turned)?;
+            for k in 0..count {
+                let change = [0, 1].map(|i| (then[k][i] - found[k][i]) / TURN);
+                largest = largest.max(change[0].hypot(change[1]));
+                changes[(k, j)] = parts(directions[k], change)[1];
+            }
+            changes[(j, j)] -= forwards[j];
+        }
+        Some(LedTo { forwards, across, changes, largest })
+    }
+}
+
+/// The parts of a vector along a direction and across.
+fn parts([x, y]: [f64; 2], [a, b]: [f64; 2]) -> [f64; 2] {
+    [x * a + y * b, x * b - y * a]
 }
 
 /// How fast what slides in these directions has to be beside the others, so that all are nearly in the span; all alike where they are not.
@@ -157,8 +172,15 @@ mod tests {
     }
 
     #[test]
-    fn what_bodies_cannot_do_is_left() {
-        let apart = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]];
-        assert_eq!(compatible(&apart, rates(), &mut |_| None), None);
+    fn a_plate_that_is_held_has_no_directions() {
+        let held = DVector::from_fn(6, |i, _| LIMITS[i / 2] * [0.6, 0.8][i % 2]);
+        for part in [0.2, 0.9] {
+            let push = part * rates().tr_mul(&held);
+            assert_eq!(
+                compatible(&[[0.6, 0.8]; 3], rates(), &mut outcome([push[0], push[1], push[2]])),
+                None,
+                "{part}"
+            );
+        }
     }
 }

@@ -12,11 +12,12 @@ use super::compatible::compatible;
 
 /// The circle is looked through in so many parts.
 const PARTS: usize = 48;
-/// A zero is a root, and no jump, where the function falls to this part of the largest that it is made of there.
+/// A zero is a root, and no jump, where the function falls to this part of the largest that it is made of there: between the rounding of forces that
+/// cancel, some 1e-12, and a jump, which is of the size of all.
 pub(super) const ROOT: f64 = 1e-9;
 /// Steps towards a root.
 const STEPS: usize = 100;
-/// So often several directions are found anew, until none turns by more than `SAME`, rad.
+/// So often several directions are found anew, until none turns by more than `SAME`, rad: some hundred roundings.
 const SWEEPS: usize = 300;
 pub(super) const SAME: f64 = 1e-13;
 /// Keeps a ratio from being 0/0, as in generated code.

@@ -9,7 +9,7 @@ use crate::mechanism::{At, Contact, ContactEvent, ContactMode, System};
 /// What begins to slide has its direction until it is so many times faster than what it slides with at first, which is rounding.
 const BELOW: f64 = 1e3;
 /// The part of a step in which friction does what is lost in the rounding of a rate.
-const GRAIN: f64 = 1e-10;
+const UNRESOLVED: f64 = 1e-10;
 
 /// What is known of a contact at an instant.
 pub(super) struct Known {
@@ -97,7 +97,7 @@ pub(super) fn known(
 
 /// With what friction does to a sliding rate in the shortest part of a step, before which what begins to slide in space has the direction in which it
 /// begins: at its limit it hardly moves at first, and turns as fast as it is slow.
-pub(super) fn with_grain(
+pub(super) fn with_unresolved_rates(
     system: &dyn System,
     moment: &Moment<'_>,
     compliance: &[f64],
@@ -107,21 +107,23 @@ pub(super) fn with_grain(
     if !contacts.iter().any(|contact| contact.direction.is_some()) {
         return known;
     }
-    let grains = grains_of(system, moment, compliance);
-    for ((known, grain), _) in
-        known.iter_mut().zip(grains).zip(contacts.iter()).filter(|(_, contact)| contact.direction.is_some())
-    {
-        known.least = known.least.max(grain);
+    let rates = unresolved_of(system, moment, compliance);
+    for (k, rate) in rates.into_iter().enumerate().filter(|(k, _)| contacts[*k].direction.is_some()) {
+        known[k].least = known[k].least.max(rate);
     }
     known
 }
 
 /// What friction does to the sliding rate of each contact in the part of a step to which its instants are known: slower it has not begun to slide.
-pub(crate) fn grains<S: System + ?Sized>(system: &S, moment: &Moment<'_>) -> Vec<f64> {
-    grains_of(system, moment, &compliance(system, At::packed(moment.t, moment.y, system.len())))
+pub(crate) fn unresolved_rates<S: System + ?Sized>(system: &S, moment: &Moment<'_>) -> Vec<f64> {
+    unresolved_of(system, moment, &compliance(system, At::packed(moment.t, moment.y, system.len())))
 }
 
-fn grains_of<S: System + ?Sized>(system: &S, &Moment { t, y, step, .. }: &Moment<'_>, compliance: &[f64]) -> Vec<f64> {
+fn unresolved_of<S: System + ?Sized>(
+    system: &S,
+    &Moment { t, y, step, .. }: &Moment<'_>,
+    compliance: &[f64],
+) -> Vec<f64> {
     let (contacts, n) = (&system.contacts().all, system.len());
     let (mut a, mut lambda) = (vec![0.0; n], vec![0.0; system.description().rows.len()]);
     let at = At::packed(t, y, n);
@@ -130,7 +132,7 @@ fn grains_of<S: System + ?Sized>(system: &S, &Moment { t, y, step, .. }: &Moment
     }
     let mut pairs = vec![0.0; 2 * system.description().events.len()];
     system.events(at.accelerated(&a).constrained(&lambda), &mut pairs);
-    contacts.iter().map(|contact| GRAIN * step * slowed(contact, (&pairs, &lambda), compliance)).collect()
+    contacts.iter().map(|contact| UNRESOLVED * step * slowed(contact, (&pairs, &lambda), compliance)).collect()
 }
 
 /// By how much friction at its limit changes the sliding rate of a contact; `pairs` are of all events.

@@ -22,7 +22,7 @@ mod strike;
 mod trials;
 
 pub(crate) use directions::direction;
-pub(crate) use known::grains;
+pub(crate) use known::unresolved_rates;
 pub(crate) use limits::possible_limits;
 pub(crate) use modes::{Change, Turned, is_released, settle, turned};
 pub(crate) use share::{where_shared, with_shares};
@@ -43,7 +43,7 @@ const CLOSED: f64 = 1e-11;
 /// So many roundings of its time an instant is known to at the least.
 const INSTANT: f64 = 64.0 * f64::EPSILON;
 /// A rate below this part of the sum of its terms is zero.
-const STILL: f64 = 1e-12;
+pub(crate) const STILL: f64 = 1e-12;
 /// A rate that would vanish within this part of a step vanishes now: instants at which sliding stops are located to some 1e-12 of one.
 const NOW: f64 = 1e-10;
 /// A row that differs by this part of itself from a sum of others depends on them.

@@ -5,7 +5,7 @@
 //! (Glocker, Set-Valued Force Laws, 2001, ch. 5–6) is solved by trying combinations, those first that change least.
 
 use super::directions::{along, is_near};
-use super::known::{Known, direction_of_force, in_order, known, with_grain};
+use super::known::{Known, direction_of_force, in_order, known, with_unresolved_rates};
 use super::limits::{part_of_sticking, possible_limits_of};
 use super::share::with_shares;
 use super::strike::Strike;
@@ -84,7 +84,7 @@ pub(crate) fn settle(system: &mut dyn System, moment: &Moment<'_>, change: Chang
         (0..situation.modes.len()).map(|k| known(system, &situation, (k, change), (t, y))).collect();
     let mut trials = Vec::new();
     let compliance = compliance(system, At::packed(t, y, system.len()));
-    let known = with_grain(system, moment, &compliance, known);
+    let known = with_unresolved_rates(system, moment, &compliance, known);
     let shared = Shared { known: &known, compliance: &compliance, begins: change.begins() };
     let memory_before = system.memory().to_vec();
     aim(system, &situation, &known);
@@ -241,7 +241,7 @@ pub(crate) fn is_released(system: &mut dyn System, moment: &Moment<'_>, contact:
     let change = Change::Event { contact, what: ContactEvent::Slips };
     let known: Vec<Known> = (0..situation.modes.len()).map(|k| known(system, &situation, (k, change), at)).collect();
     let compliance = compliance(system, At::packed(moment.t, moment.y, system.len()));
-    let known = with_grain(system, moment, &compliance, known);
+    let known = with_unresolved_rates(system, moment, &compliance, known);
     let shared = Shared { known: &known, compliance: &compliance, begins: None };
     let mut instead = situation.modes.clone();
     begin.into_iter().for_each(|k| instead[k] = ContactMode::Sticks);

@@ -246,8 +246,9 @@ impl Newton {
             stages.accelerations.iter_mut().zip(&stages.left).for_each(|(k, correction)| *k += correction);
             stages.follow::<S>(self.tableau, from);
             let correction = self.in_units::<S>(from, stages, tolerance);
-            // Each one is of the order of the square of the one before.
-            if correction * (correction / before).min(1.0) <= LEFT {
+            let falls = correction / before;
+            // What it leaves is of the order of its square.
+            if correction <= 1e-3 * LEFT || before.is_finite() && falls < 1.0 && correction * falls <= LEFT {
                 return self.prepare(system, from, Jacobians::Middle, stages, at);
             }
             if !correction.is_finite() {

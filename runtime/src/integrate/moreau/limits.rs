@@ -7,6 +7,8 @@ use crate::mechanism::{At, Contact, ContactEvent, ContactMode, System};
 
 /// Forces made of reactions are none below this part of the largest: what is left where those of sliding forwards and backwards cancel.
 const NOTHING: f64 = 1e-12;
+/// Rates along a contact depend on each other whose Gram determinant is below this part of the product of their squares: half of the digits are left.
+const DEPENDENT: f64 = 1e-8;
 
 /// What does not depend on which contacts are closed.
 pub(super) struct Forces {
@@ -150,8 +152,12 @@ fn by_rows(system: &dyn System, values: &[f64], rows: &[Row], towards: [f64; 2])
         [one, other] => {
             let (a, b, d) = (one.square(), one.times(other), other.square());
             let determinant = a * d - b * b;
-            let parts = [(d * first - b * second) / determinant, (a * second - b * first) / determinant];
-            parts[0].hypot(parts[1]).copysign(parts[0] * towards[0] + parts[1] * towards[1])
+            let [x, y] = match determinant > DEPENDENT * a * d {
+                true => [(d * first - b * second) / determinant, (a * second - b * first) / determinant],
+                // It slides along one line only, as where the other rate is none.
+                false => [first / (a + d), second / (a + d)],
+            };
+            x.hypot(y).copysign(x * towards[0] + y * towards[1])
         }
         _ => first / rows[0].square(),
     };

@@ -4,7 +4,7 @@ use super::law::Side;
 use super::limits::frictions;
 use super::rows::{Assembly, Begin, Found};
 use super::tally::{ContactTally, Done, Pending, Tally};
-use crate::constrain::lasting_rows;
+use crate::constrain::{STILL, lasting_rows};
 use crate::integrate::ends::{Ends, between_ends};
 use crate::integrate::{Control, Counters, Endpoint, NO_CONTROL, OneStep, Segment, StepFailure, Trial};
 use crate::mechanism::dense::constraint_triples;
@@ -12,8 +12,6 @@ use crate::mechanism::{At, Contact, ContactMode, KktSolver, System};
 
 /// Numbers that dense output has for each of [q; q']: quadratic places, linear speeds.
 const PIECES: usize = 3;
-/// A rate below this part of its terms is zero.
-const STILL: f64 = 1e-12;
 /// More mean multipliers than these (160 MB) are not kept.
 const MOST_FORCES: usize = 20_000_000;
 
@@ -28,6 +26,8 @@ pub(crate) struct TimeStepping {
     solver: KktSolver,
     /// Impulses of the last step, all rows of the mechanism: where the next one begins to look.
     impulses: Vec<f64>,
+    /// Speeds where the last step ended.
+    speeds: Vec<f64>,
     /// Means of the multipliers over the step that was taken last, and over the one that was tried.
     lambda: [Vec<f64>; 2],
     tally: Tally,
@@ -47,6 +47,7 @@ impl TimeStepping {
             lasting: Vec::new(),
             solver: KktSolver::default(),
             impulses: Vec::new(),
+            speeds: Vec::new(),
             lambda: [Vec::new(), Vec::new()],
             tally: Tally::default(),
             pending: Pending::default(),
@@ -93,11 +94,11 @@ impl TimeStepping {
         Ok(())
     }
 
-    /// Which contacts stuck in the last step, or do not slide where the first one begins.
+    /// Which contacts stuck in the last step, or do not slide where this one begins if it is the first, or speeds jumped since.
     fn stuck(&self, system: &dyn System, at: At<'_>) -> Vec<bool> {
         let sticks =
             |(k, done): (usize, &ContactTally)| self.contacts[k].modes().get(done.mode) == Some(&ContactMode::Sticks);
-        if self.tally.step > 0.0 {
+        if self.speeds == at.v {
             return self.tally.contacts.iter().enumerate().map(sticks).collect();
         }
         let triples = constraint_triples(system, at);
@@ -227,6 +228,8 @@ impl OneStep for TimeStepping {
 
     fn accept(&mut self, compensated: bool) {
         self.ends.accept(compensated);
+        self.speeds.clear();
+        self.speeds.extend_from_slice(&self.ends.y[self.ends.n..]);
         self.tally.add(&self.pending);
         let [taken, tried] = &mut self.lambda;
         taken.copy_from_slice(tried);
