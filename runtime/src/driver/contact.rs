@@ -247,8 +247,11 @@ impl Integration {
         place.and_then(|place| system.restitutions().get(place as usize).copied()).unwrap_or(0.0)
     }
 
-    /// Of each contact the rate of approach after which it rests, and with which it does not leave: its hop would be lost in the rounding of its
-    /// gap, or beside the largest gap that there was; or all its hops would end within twice the seconds that are `left` of another's.
+    /// Of each contact the rate with which it does not leave: its hop would be lost in the rounding of its gap, or beside the largest gap that there
+    /// was; or all its hops would end within twice the seconds that are `left` of another's.
+    ///
+    /// Then it rests at once, which loses nothing along the contact: the friction of resting for as long as the hops last is that of their impulses,
+    /// m u + m |c''| T = m u (1 + e)/(1 - e) for an approach u and T = 2 e u/(|c''| (1 - e)).
     fn slow(&self, system: &mut dyn System, scales: &[f64], left: f64) -> Vec<f64> {
         let (phase, contacts) = (system.phase(), system.contacts().all.clone());
         let modes = system.contacts().modes(phase);
@@ -264,8 +267,8 @@ impl Integration {
             let falls = |row: u32| {
                 let hops = here.get(row as usize).zip(ever.get(row as usize)).filter(|(here, _)| here.back < 0.0);
                 hops.map_or(0.0, |(here, ever)| {
-                    // Hops that begin with the rate e u last 2 e u/(|c''| (1 - e)) together.
-                    let ends_too = if e > 0.0 { -here.back * left * (1.0 - e) / e } else { 0.0 };
+                    // Hops that begin with the rate w last 2 w/(|c''| (1 - e)) together.
+                    let ends_too = -here.back * left * (1.0 - e);
                     here.rate.max(LOWER * ever.rate).max(ends_too)
                 })
             };

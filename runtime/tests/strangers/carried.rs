@@ -84,6 +84,34 @@ fn a_box_begins_to_slide_on_a_table_that_tilts() {
     }
 }
 
+/// Hops that end leave with V e from a floor that rises, on a plate that slides away with U. The impulses of all hops are those of resting for as long,
+/// m (1 + e)/(1 - e) V e in 2 V e/(g (1 - e)) but for m V e, so the box stops at U/(μ g) + V e/g.
+#[test]
+fn hops_that_end_on_a_floor_that_rises_lose_no_friction() {
+    for (e, mu, rises) in [(0.4, 0.2, 1.5), (0.3, 0.15, 1.5), (0.6, 0.25, 0.3), (0.5, 0.2, 0.0)] {
+        let text = format!(
+            "name: Hops\nparameters: {{m: 2 kg, g: 10 m/s^2, V: {rises} m/s, w: 0.6 m/s, U: 0.8 m/s, e: {e} 1, mu: {mu} 1}}\n\
+             coordinates: {{x: m, y: m}}\ninputs: {{h: V*t, s: U*t}}\n\
+             bodies: {{b: {{mass: m, position: '[x, y]'}}, plate: {{mass: 0, position: '[s, h]'}}}}\ngravity: [0, -g]\n\
+             contacts: {{c: {{gap: y - h, on: b, from: plate, normal: '[0, 1]', friction: mu, restitution: e}}}}\n\
+             scene: {{start: {{x: 0, y: 0, y': V + w}}, until: 1.5, tolerance: 1e-10}}\n"
+        );
+        let run = case(&text).run();
+        let stops = run.events.iter().filter(|event| event.name == "c stops").map(|event| event.state.t);
+        let stops: Vec<f64> = stops.collect();
+        let right = 0.8 / (mu * 10.0) + 0.06;
+        assert!(stops.len() == 1 && (stops[0] - right).abs() < 1e-11, "{e} {mu} {rises}: {stops:?}, and not {right}");
+        let (mut x, mut slides, mut hops) = (0.8 * 1.5, 0.8, 0.6);
+        for _ in 0..200 {
+            x -= slides * 2.0 * hops / 10.0;
+            slides -= mu * (1.0 + e) * hops;
+            hops *= e;
+        }
+        x -= slides * slides / (2.0 * mu * 10.0);
+        assert!((run.last()["x"] - x).abs() < 1e-10, "{e} {mu} {rises}: {} {x}", run.last());
+    }
+}
+
 /// A block sticks on a plate that swings with less than `static` holds: x = H (1 − cos ω t).
 #[test]
 fn what_sticks_to_a_plate_that_swings_sticks_with_moreau_too() {

@@ -68,7 +68,7 @@ struct Side {
     /// The first of its sliding rates, and how many they are: none, one, or two in space.
     tangent: usize,
     rates: usize,
-    /// The coefficient of restitution, of what approaches faster than `slow`.
+    /// The coefficient of restitution, of what leaves faster than `slow`.
     restitution: f64,
     slow: f64,
     /// Of sliding, and of sticking.
@@ -127,8 +127,7 @@ struct Stage<'a> {
 
 /// What contacts that close, or are closed, do at an instant to the speeds; `None` where none of them approaches.
 ///
-/// A contact that approaches no faster than its number in `slow` loses its speed of approach altogether, and one that leaves no faster
-/// stays.
+/// A contact that would leave no faster than its number in `slow` stays: it loses its speed of approach altogether.
 ///
 /// # Errors
 /// No outcome, several, or an outcome that the order of impacts decides where the file states no law; energy that grows.
@@ -428,7 +427,8 @@ impl Collision {
     /// The rate that a gap has at least afterwards; what moves apart already may go on as it likes.
     fn least(&self, side: &Side, stage: &Stage<'_>) -> f64 {
         let before = stage.rates[side.normal];
-        if stage.restitutes && -before > side.slow { -side.restitution * before } else { 0.0 }
+        let back = -side.restitution * before;
+        if stage.restitutes && back > side.slow { back } else { 0.0 }
     }
 
     fn outcome(&self, system: &dyn System, impulses: &DVector<f64>) -> Result<Strike, Box<Cause>> {
