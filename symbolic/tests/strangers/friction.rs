@@ -183,3 +183,22 @@ fn claims_and_balances_may_name_what_contacts_do() {
     accepted(&system("+ mu*m*g", "rub slips backwards"));
     refused(&system("+ mu*m*g", "rub slips forwards"), "E506");
 }
+
+/// A family of frictions or contacts has base cases as all families have.
+#[test]
+fn families_of_contacts_have_base_cases() {
+    let row = |friction: &str, contacts: &str| {
+        format!(
+            "name: Row\nsizes: {{n: 3}}\nparameters: {{m: 1 kg, g: 10 m/s^2, mu: 0.2 1}}\n\
+             coordinates: {{\"x[i in 1..n]\": m, \"y[i in 1..n]\": m}}\n\
+             bodies: {{\"b[i in 1..n]\": {{mass: m, position: '[x[i], y[i]]'}}}}\ngravity: [0, -g]\n\
+             friction: {{\"f[1]\": {{rate: \"x[1]'\", on: 'b[1]', along: '[1, 0]', limit: 1 N}}, {friction}}}\n\
+             contacts:\n  \"c[1]\": {{gap: 'y[1]', on: 'b[1]', normal: '[0, 1]'}}\n  \
+             \"{contacts}\": {{gap: 'y[i]', on: 'b[i]', normal: '[0, 1]', friction: mu}}\n"
+        )
+    };
+    let pushed = "\"f[i in 2..n]\": {rate: \"x[i]' - x[i-1]'\", on: 'b[i]', from: 'b[i-1]', along: '[1, 0]', limit: 1 N}";
+    accepted(&row(pushed, "c[i in 2..n]"));
+    refused(&row(pushed, "c[i in 1..n]"), "`c[1]` is given twice in `contacts`");
+    refused(&row(pushed, "f[i in 4..n]"), "`f` is given twice in `constraints`, `joints`, `friction` and `contacts`");
+}

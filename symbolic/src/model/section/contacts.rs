@@ -3,6 +3,8 @@
 //! A contact becomes what a person would write by hand: constraints for its gap and its sliding rate, a phase for every combination of what
 //! all contacts do, friction that acts while it slides, and the events at which one of them changes.
 
+use std::collections::BTreeSet;
+
 use super::ends::End;
 use super::loads::{AttachedTo, Draft, DraftPush, Drafts};
 use super::resolve_values::Want;
@@ -107,6 +109,7 @@ impl Resolver<'_> {
     /// The constraints of all contacts, and where they stand.
     pub fn declare_contacts(&mut self, places: &mut Vec<Place>) {
         for section in ["friction", "contacts"] {
+            let taken: BTreeSet<String> = self.scope.constraint_names.keys().cloned().collect();
             for (key, spot) in self.section(section) {
                 let family = self.expand(key, &spot);
                 let base = key.split('[').next().unwrap_or(key).trim().to_owned();
@@ -114,10 +117,9 @@ impl Resolver<'_> {
                 let read = if section == "friction" { self.friction_text(&spot) } else { self.touching(&spot) };
                 let indices = family.as_ref().map_or(0, |family| family.key.indices.len());
                 let refused = family.is_none() || read.is_none() || reserved;
-                let fresh = !self.scope.constraint_names.contains_key(&base);
                 let entry = Entry { refused, ..Entry::new(Section::Constraint, indices) };
                 self.scope.constraint_names.entry(base.clone()).or_insert(entry);
-                if !fresh {
+                if taken.contains(&base) {
                     let sections = "`constraints`, `joints`, `friction` and `contacts`";
                     self.builder.problems.push(sections::duplicate_label(spot.place.of_key(), &base, sections));
                     continue;
