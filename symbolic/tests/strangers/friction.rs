@@ -197,7 +197,8 @@ fn families_of_contacts_have_base_cases() {
              \"{contacts}\": {{gap: 'y[i]', on: 'b[i]', normal: '[0, 1]', friction: mu}}\n"
         )
     };
-    let pushed = "\"f[i in 2..n]\": {rate: \"x[i]' - x[i-1]'\", on: 'b[i]', from: 'b[i-1]', along: '[1, 0]', limit: 1 N}";
+    let pushed =
+        "\"f[i in 2..n]\": {rate: \"x[i]' - x[i-1]'\", on: 'b[i]', from: 'b[i-1]', along: '[1, 0]', limit: 1 N}";
     accepted(&row(pushed, "c[i in 2..n]"));
     refused(&row(pushed, "c[i in 1..n]"), "`c[1]` is given twice in `contacts`");
     refused(&row(pushed, "f[i in 4..n]"), "`f` is given twice in `constraints`, `joints`, `friction` and `contacts`");

@@ -10,6 +10,7 @@ const SOLVED: f64 = 1e-9;
 const EXCHANGES: usize = 300;
 
 /// slope·w + value ≤ s.
+#[derive(Clone)]
 pub(super) struct Bound {
     pub slope: DVector<f64>,
     pub value: f64,
@@ -21,8 +22,17 @@ impl Bound {
     }
 }
 
+/// How low bounds let s be.
+#[derive(Debug, PartialEq)]
+pub(super) enum Lowest {
+    /// So low.
+    At(f64),
+    /// As low as one likes, along this way.
+    Falls(DVector<f64>),
+}
+
 /// The lowest s that all bounds let be, from w on, by exchanges of those that are active (Best and Ritter, Linear Programming, 1985).
-pub(super) fn lowest(bounds: &[Bound], w: &mut DVector<f64>) -> Option<f64> {
+pub(super) fn lowest(bounds: &[Bound], w: &mut DVector<f64>) -> Option<Lowest> {
     let height =
         |w: &DVector<f64>| bounds.iter().map(|bound| bound.at(w)).enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
     let (first, mut s) = height(w)?;
@@ -39,7 +49,8 @@ pub(super) fn lowest(bounds: &[Bound], w: &mut DVector<f64>) -> Option<f64> {
                 (closes > SOLVED).then(|| ((s - bounds[k].at(w)) / closes).max(0.0))
             };
             let others = (0..bounds.len()).filter(|k| !active.contains(k));
-            let next = others.filter_map(|k| Some((k, step(k)?))).min_by(|a, b| a.1.total_cmp(&b.1))?;
+            let next = others.filter_map(|k| Some((k, step(k)?))).min_by(|a, b| a.1.total_cmp(&b.1));
+            let Some(next) = next else { return Some(Lowest::Falls(way)) };
             *w += next.1 * way;
             s -= next.1;
             active.push(next.0);
@@ -56,7 +67,7 @@ pub(super) fn lowest(bounds: &[Bound], w: &mut DVector<f64>) -> Option<f64> {
         }
         active.remove(place);
     }
-    height(w).map(|(_, s)| s)
+    height(w).map(|(_, s)| Lowest::At(s))
 }
 
 #[cfg(test)]
@@ -72,10 +83,11 @@ mod tests {
         // s ≥ x + 1, s ≥ −2 x, s ≥ −3: at x = −1/3.
         let bounds = [bound(&[1.0], 1.0), bound(&[-2.0], 0.0), bound(&[0.0], -3.0)];
         let mut w = DVector::from_element(1, 7.0);
-        let height = lowest(&bounds, &mut w).expect("a height");
+        let Some(Lowest::At(height)) = lowest(&bounds, &mut w) else { panic!("no height") };
         assert!((height - 2.0 / 3.0).abs() < 1e-14 && (w[0] + 1.0 / 3.0).abs() < 1e-14, "{height} {w}");
         // Nothing else holds it: one that depends on nothing does.
         let mut w = DVector::zeros(2);
-        assert_eq!(lowest(&[bound(&[1.0, -1.0], 0.0), bound(&[0.0, 0.0], -1.0)], &mut w), Some(-1.0));
+        assert_eq!(lowest(&[bound(&[1.0, -1.0], 0.0), bound(&[0.0, 0.0], -1.0)], &mut w), Some(Lowest::At(-1.0)));
+        assert!(matches!(lowest(&[bound(&[1.0, -1.0], 0.0)], &mut w), Some(Lowest::Falls(way)) if way[0] < way[1]));
     }
 }

@@ -2,14 +2,16 @@
 //!
 //! They stay as long as they can share it so that none is beyond its limit (the static theorem of limit analysis; Drucker, Prager, Greenberg,
 //! Q. Appl. Math. 9, 1952, 381).  Of all shares that the equations admit the one is taken at which the largest part of a limit that any needs is the
-//! least: min over w of max |T + Z w|/L.  Forces across stay what they are.
+//! least: min over w of max |T + Z w|/L(w).  What friction presses, as the wall that a ladder leans on, has limits that grow with it; how contacts share
+//! what presses them without friction stays what it is.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::IN_SPAN;
+use super::bounds::Bound;
 use super::least_largest::{Part, least_largest};
 use crate::matrix::svd;
-use crate::mechanism::dense::constraint_matrix;
+use crate::mechanism::dense::multiplier_effects;
 use crate::mechanism::{At, ContactEvent, ContactMode, Singular, System, rows_in_force};
 
 /// What can hold nothing has this part of the largest limit, so that it is given no force that another one can take.
@@ -43,6 +45,8 @@ struct Group {
     idle: DMatrix<f64>,
     /// The contacts that stick among them.
     contacts: Vec<usize>,
+    /// The rows across others that touch.
+    pressed: Vec<usize>,
 }
 
 /// The groups that share something in the phase in force.
@@ -53,12 +57,12 @@ fn groups<S: System + ?Sized>(system: &S, at: At<'_>) -> Vec<Group> {
     }
     let modes = contacts.modes(system.phase());
     let sticking: Vec<usize> = (0..modes.len()).filter(|k| modes[*k] == ContactMode::Sticks).collect();
-    let normals: Vec<usize> = contacts.all.iter().filter_map(|contact| Some(contact.normal? as usize)).collect();
-    let rows: Vec<usize> = rows_in_force(system).filter(|row| !normals.contains(row)).collect();
+    let rows: Vec<usize> = rows_in_force(system).collect();
     if sticking.is_empty() || rows.len() < 2 {
         return Vec::new();
     }
-    let mut matrix = constraint_matrix(system, at, &rows);
+    let normals: Vec<usize> = contacts.all.iter().filter_map(|contact| Some(contact.normal? as usize)).collect();
+    let mut matrix = multiplier_effects(system, at, &rows).transpose();
     let (mut inertias, mut room) = (vec![0.0; system.len()], Vec::new());
     system.inertias(at, &mut room, &mut inertias);
     for (mut column, inertia) in matrix.column_iter_mut().zip(inertias) {
@@ -66,7 +70,10 @@ fn groups<S: System + ?Sized>(system: &S, at: At<'_>) -> Vec<Group> {
     }
     let mut found = Vec::new();
     let of_one = |row: usize, other: usize| {
-        let has = |k: &usize, place: usize| contacts.all[*k].tangents().any(|row| row as usize == rows[place]);
+        let has = |k: &usize, place: usize| {
+            let own = contacts.all[*k].tangents().chain(contacts.all[*k].normal);
+            own.into_iter().any(|row| row as usize == rows[place])
+        };
         sticking.iter().any(|k| has(k, row) && has(k, other))
     };
     for places in connected(&matrix, &of_one) {
@@ -76,8 +83,11 @@ fn groups<S: System + ?Sized>(system: &S, at: At<'_>) -> Vec<Group> {
         if rows.len() < 2 || sticking.is_empty() {
             continue;
         }
-        if let Some(idle) = idle(&matrix.select_rows(&places)) {
-            found.push(Group { rows, idle, contacts: sticking });
+        let is_across: Vec<bool> = rows.iter().map(|row| normals.contains(row)).collect();
+        let own = |row: &usize| sticking.iter().any(|k| contacts.all[*k].normal == Some(*row as u32));
+        let pressed = rows.iter().copied().filter(|row| normals.contains(row) && !own(row)).collect();
+        if let Some(idle) = idle_but_across(&matrix.select_rows(&places), &is_across) {
+            found.push(Group { rows, idle, contacts: sticking, pressed });
         }
     }
     found
@@ -116,32 +126,81 @@ fn idle(rows: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     (!columns.is_empty()).then(|| DMatrix::from_columns(&columns))
 }
 
+/// The same without what rows across do by themselves.
+fn idle_but_across(rows: &DMatrix<f64>, is_across: &[bool]) -> Option<DMatrix<f64>> {
+    let all = idle(rows)?;
+    let across: Vec<usize> = (0..is_across.len()).filter(|row| is_across[*row]).collect();
+    if across.is_empty() {
+        return Some(all);
+    }
+    let mut left = all.clone();
+    if let Some(alone) = idle(&rows.select_rows(&across)) {
+        let alone = svd(alone, true, false)?.u?;
+        let mut whole = DMatrix::zeros(rows.nrows(), alone.ncols());
+        across.iter().enumerate().for_each(|(place, row)| whole.row_mut(*row).copy_from(&alone.row(place)));
+        left -= &whole * whole.tr_mul(&all);
+    }
+    let largest = all.norm();
+    let svd = svd(left, true, false)?;
+    let vectors = svd.u?;
+    let kept: Vec<usize> =
+        (0..svd.singular_values.len()).filter(|k| svd.singular_values[*k] > IN_SPAN * largest).collect();
+    (!kept.is_empty()).then(|| vectors.select_columns(&kept))
+}
+
 impl Group {
     fn share<S: System + ?Sized>(&self, system: &S, at: At<'_>, lambda: &mut [f64]) {
-        let mut pairs = vec![0.0; 2 * system.description().events.len()];
-        system.events(at.constrained(lambda), &mut pairs);
         let contacts = &system.contacts().all;
-        // L² − T² is the function of the event at which it slips.
-        let limit = |k: usize| {
-            let force: f64 = contacts[k].tangents().map(|row| lambda[row as usize].powi(2)).sum();
-            let difference = contacts[k].event(ContactEvent::Slips).map_or(0.0, |event| pairs[2 * event]);
-            (difference + force).max(0.0).sqrt()
+        let events = |lambda: &[f64]| {
+            let mut pairs = vec![0.0; 2 * system.description().events.len()];
+            system.events(at.constrained(lambda), &mut pairs);
+            pairs
         };
-        let limits: Vec<f64> = self.contacts.iter().map(|k| limit(*k)).collect();
-        let least = LEAST * limits.iter().fold(0.0_f64, |most, limit| most.max(*limit));
-        let parts = self.contacts.iter().zip(limits).filter_map(|(k, limit)| {
-            let rows: Vec<usize> = contacts[*k].tangents().map(|row| row as usize).collect();
-            let places = rows.iter().map(|row| self.rows.iter().position(|own| own == row));
-            let places: Vec<usize> = places.collect::<Option<_>>()?;
-            let limit = limit.max(least);
-            let force = DVector::from_iterator(rows.len(), rows.iter().map(|row| lambda[*row]));
-            Some(Part { force: force / limit, idle: self.idle.select_rows(&places) / limit })
+        let (here, coefficients) = (events(lambda), events(&self.pressed_by_one(system, lambda)));
+        let place = |row: u32| self.rows.iter().position(|own| *own == row as usize);
+        let unmoved = || DVector::zeros(self.idle.ncols());
+        // L² − T² is the function of the event at which it slips; of a contact L is what it is for a force across of 1, times that force.
+        let limit = |k: usize| {
+            let slips = contacts[k].event(ContactEvent::Slips)?;
+            if let Some(row) = contacts[k].normal {
+                let coefficient = coefficients[2 * slips].max(0.0).sqrt();
+                let slope = self.idle.row(place(row)?).transpose() * coefficient;
+                return Some(Bound { slope, value: coefficient * lambda[row as usize] });
+            }
+            let force: f64 = contacts[k].tangents().map(|row| lambda[row as usize].powi(2)).sum();
+            Some(Bound { slope: unmoved(), value: (here[2 * slips] + force).max(0.0).sqrt() })
+        };
+        let limits: Vec<Option<Bound>> = self.contacts.iter().map(|k| limit(*k)).collect();
+        let least = LEAST * limits.iter().flatten().fold(0.0_f64, |most, limit| most.max(limit.value.abs()));
+        let sticking = self.contacts.iter().zip(limits).filter_map(|(k, limit)| {
+            let rows: Vec<u32> = contacts[*k].tangents().collect();
+            let places: Vec<usize> = rows.iter().map(|row| place(*row)).collect::<Option<_>>()?;
+            let Bound { slope, value } = limit?;
+            // What holds nothing, whatever presses it, has a limit all the same.
+            let value = if slope.amax() == 0.0 { value.max(least) } else { value };
+            let force = DVector::from_iterator(rows.len(), rows.iter().map(|row| lambda[*row as usize]));
+            Some(Part { force, idle: self.idle.select_rows(&places), limit: Bound { slope, value } })
         });
-        let parts: Vec<Part> = parts.collect();
+        let pressed = self.pressed.iter().filter_map(|row| {
+            let (force, idle) = (DVector::zeros(1), DMatrix::zeros(1, self.idle.ncols()));
+            let slope = self.idle.row(place(*row as u32)?).transpose();
+            (slope.amax() > 0.0).then(|| Part { force, idle, limit: Bound { slope, value: lambda[*row] } })
+        });
+        let parts: Vec<Part> = sticking.chain(pressed).collect();
         if let Some(w) = least_largest(&parts) {
             let added = &self.idle * w;
             self.rows.iter().zip(added.iter()).for_each(|(row, more)| lambda[*row] += more);
         }
+    }
+
+    /// Multipliers with a force across of 1 in each of these contacts, and none along.
+    fn pressed_by_one<S: System + ?Sized>(&self, system: &S, lambda: &[f64]) -> Vec<f64> {
+        let mut pressed = lambda.to_vec();
+        for contact in self.contacts.iter().map(|k| &system.contacts().all[*k]).filter(|one| one.normal.is_some()) {
+            contact.tangents().for_each(|row| pressed[row as usize] = 0.0);
+            contact.normal.into_iter().for_each(|row| pressed[row as usize] = 1.0);
+        }
+        pressed
     }
 }
 
@@ -163,15 +222,14 @@ mod tests {
                 let held = &rates
                     * crate::matrix::solve_least(&rates.tr_mul(&rates), &DMatrix::from_column_slice(3, 1, &push))
                         .expect("forces");
-                let limit = |k: usize| 1.0 + 0.7 * k as f64;
-                let parts: Vec<Part> = (0..count)
-                    .map(|k| Part {
-                        force: DVector::from_fn(2, |i, _| held[2 * k + i]) / limit(k),
-                        idle: idle.rows(2 * k, 2) / limit(k),
-                    })
-                    .collect();
+                let part = |k: usize| Part {
+                    force: DVector::from_fn(2, |i, _| held[2 * k + i]),
+                    idle: idle.rows(2 * k, 2).into_owned(),
+                    limit: Bound { slope: DVector::zeros(idle.ncols()), value: 1.0 + 0.7 * k as f64 },
+                };
+                let parts: Vec<Part> = (0..count).map(part).collect();
                 let w = least_largest(&parts).expect("a share");
-                let most = |w: &DVector<f64>| parts.iter().map(|part| part.at(w).norm()).fold(0.0, f64::max);
+                let most = |w: &DVector<f64>| parts.iter().map(|part| part.ratio(w)).fold(0.0, f64::max);
                 let best = most(&w);
                 for i in 0..w.len() {
                     for step in [1e-3, -1e-3, 1e-6, -1e-6] {

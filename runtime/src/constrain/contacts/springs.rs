@@ -3,7 +3,7 @@
 
 use nalgebra::DVector;
 
-use super::bounds::{Bound, lowest};
+use super::bounds::{Bound, Lowest, lowest};
 use crate::mechanism::dense::constraint_matrix;
 use crate::mechanism::{At, Contact, Solutions, System, rows_in_force};
 
@@ -45,6 +45,8 @@ pub(super) fn length_of_springs(
         .collect();
     // Long enough.
     bounds.push(Bound { slope: DVector::zeros(slopes.ncols()), value: -1.0 });
-    let shortest = lowest(&bounds, &mut DVector::zeros(slopes.ncols()))?;
-    Some((-size * shortest, size))
+    match lowest(&bounds, &mut DVector::zeros(slopes.ncols()))? {
+        Lowest::At(shortest) => Some((-size * shortest, size)),
+        Lowest::Falls(_) => None,
+    }
 }
