@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::mechanism::ImpactLaw;
 use crate::numbers::short;
 
 /// Why a run could not go on.
@@ -184,6 +185,8 @@ pub enum Cause {
     ImpactGainsEnergy {
         /// How much, J.
         energy: f64,
+        /// The law of impacts that the file states.
+        law: Option<ImpactLaw>,
     },
     /// The coordinates fail where the mechanism does not: an element of M grows beyond bounds.
     CoordinateSingularity {
@@ -535,11 +538,17 @@ impl fmt::Display for Cause {
                  `poisson`",
                 list = quoted(contacts)
             ),
-            Cause::ImpactGainsEnergy { energy } => write!(
-                f,
-                "impact gains energy: {energy} J, which Newton's law of restitution may do with friction (Kane); take `impacts: poisson`",
-                energy = short(*energy)
-            ),
+            Cause::ImpactGainsEnergy { energy, law } => {
+                let why = match law {
+                    Some(ImpactLaw::Poisson) => {
+                        "which Poisson's law may do where coefficients of restitution differ; take one for all that strike together"
+                    }
+                    _ => {
+                        "which Newton's law may do with friction (Kane), or where coefficients differ; take `impacts: poisson`"
+                    }
+                };
+                write!(f, "impact gains energy: {} J, {why}", short(*energy))
+            }
             Cause::CoordinateSingularity { coordinate, t } => write!(
                 f,
                 "coordinate singularity: `{coordinate}` cannot describe the motion beyond t = {t} s, where its inertia \

@@ -48,6 +48,46 @@ fn what_does_not_slide_when_it_strikes_sticks_within_the_friction_of_sticking() 
     }
 }
 
+/// A slanted rod falls onto its lower end, which sticks while it is compressed, G P = u: e times that is given back, e P across, and along what holds the
+/// end or the friction of it.
+#[test]
+fn what_is_given_back_is_rubbed_as_it_slides_then() {
+    let rod = "name: Rod\nparameters: {m: 1 kg, l: 1 m, mu: 1, e: 0.5, a: 1 rad}\ncoordinates: {x: m, y: m, th: rad}\n\
+               points: {foot: \"[x, y] - l*[cos(th), sin(th)]\"}\n\
+               bodies: {rod: {mass: m, inertia: m*l^2/3, angle: th, position: \"[x, y]\"}}\n\
+               contacts: {foot: {gap: foot.y, on: rod, at: foot, normal: \"[0, 1]\", friction: mu, restitution: e}}\n\
+               impacts: poisson\noutputs: {slip: \"velocity(rod, foot).x\", up: \"velocity(rod, foot).y\"}\n\
+               scene: {start: {x: l*cos(a), y: l*sin(a), th: a, y': -1}, until: 1e-9}\n";
+    for (a, mu, e) in [(1.0, 1.0, 0.5), (1.0, 0.5, 0.8), (0.6, 2.0, 0.3), (2.2, 0.6, 0.5)] {
+        let text = rod.replace("mu: 1", &format!("mu: {mu}")).replace("e: 0.5", &format!("e: {e}"));
+        let run = case(&text.replace("a: 1 rad", &format!("a: {a} rad"))).run();
+        let (s, c) = (f64::sin(a), f64::cos(a));
+        // G of the foot's rates [across, along], with 3/(m l²) for the turning.
+        let [across, beside, along] = [1.0 + 3.0 * c * c, -3.0 * s * c, 1.0 + 3.0 * s * s];
+        let pressed = along / (across * along - beside * beside);
+        assert!((beside / along).abs() <= mu, "it sticks while it is compressed");
+        let last = run.last();
+        assert!(last["slip"].abs() < 1e-8 && (last["up"] - e).abs() < 1e-8, "{a} {mu} {e}: {last}");
+        let given: f64 = run.impulses[0].constraints.iter().find(|(name, _)| name == "foot").map_or(0.0, |(_, p)| *p);
+        assert!((given - (1.0 + e) * pressed).abs() < 1e-12, "{a} {mu} {e}: {given}");
+    }
+}
+
+/// Two rods strike so that the end sticks (Kane and Levinson): Newton's law would gain energy, Poisson's takes some.
+#[test]
+fn poissons_law_gains_no_energy_at_kanes_pendulum() {
+    let kane = "name: Kane\nparameters: {m: 1 kg, l: 1 m, mu: 0.7 1, e: 0.5 1}\ncoordinates: {a: rad, b: rad}\n\
+                points: {E: \"l*[sin(a), -cos(a)]\", P: \"E + l*[sin(b), -cos(b)]\"}\n\
+                bodies:\n  up: {mass: m, inertia: m*l^2/12, angle: a, position: E/2}\n  \
+                lo: {mass: m, inertia: m*l^2/12, angle: b, position: (E + P)/2}\n\
+                contacts: {p: {gap: P.y + h, on: lo, at: P, normal: \"[0, 1]\", friction: mu, restitution: e}}\n\
+                define: {h: l*(cos(0.35) + cos(0.52))}\ngravity: [0, -9.81]\nimpacts: poisson\noutputs: {T: kinetic_energy}\n\
+                scene: {start: {a: 0.35, b: 0.52, a': 2, b': -2}, until: 1e-9}\n";
+    let run = case(kane).run();
+    // By the two stages in a program of its own.
+    assert!((run.impulses[0].energy + 1.022665801702753).abs() < 1e-9, "{:?}", run.impulses[0]);
+}
+
 /// A crate on a lift that stands, rises at 1 m/s from t = 1 s on, and stops at t = 2 s.
 const LIFT: &str = r#"
 name: Lift

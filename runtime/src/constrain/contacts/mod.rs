@@ -190,8 +190,8 @@ pub(crate) fn slides_in_space<S: System + ?Sized>(system: &S) -> Option<String> 
 }
 
 /// All that several may do together, the last one's options changing fastest.
-fn combinations<'a>(options: impl Iterator<Item = &'a [ContactMode]>) -> Vec<Vec<ContactMode>> {
-    let longer = |all: Vec<Vec<ContactMode>>, own: &[ContactMode]| {
+fn combinations<'a, T: Copy + 'a>(options: impl Iterator<Item = &'a [T]>) -> Vec<Vec<T>> {
+    let longer = |all: Vec<Vec<T>>, own: &[T]| {
         all.iter().flat_map(|one| own.iter().map(move |mode| [one.as_slice(), &[*mode]].concat())).collect()
     };
     options.fold(vec![Vec::new()], longer)

@@ -112,6 +112,14 @@ struct Collision {
     response: DMatrix<f64>,
 }
 
+/// What a side does in a part of an impact.
+#[derive(Clone, Copy, PartialEq)]
+struct Takes {
+    mode: ContactMode,
+    /// Whether it takes more across than it is given.
+    adds: bool,
+}
+
 /// A part of an impact: impulses that some sides take at once.
 #[derive(Clone, Copy)]
 struct Stage<'a> {
@@ -265,47 +273,38 @@ impl Collision {
         }
     }
 
-    /// The impulses of a stage: all modes of the sides that take part are tried; of several the one in which nothing more is added than is given.
+    /// The impulses of a stage: all that the sides may do is tried; of several outcomes the one in which nothing more is added than is given.
     fn solve(&self, system: &dyn System, stage: Stage<'_>) -> Result<DVector<f64>, Box<Cause>> {
-        let options = |(place, side): (usize, &Side)| -> &[ContactMode] {
-            use ContactMode::{Closed, Open, Slides, SlipsBackwards, SlipsForwards, Sticks};
-            match side.rates {
-                _ if !stage.taking.contains(&place) => &[Open],
-                0 => &[Closed, Open],
-                1 => &[Sticks, SlipsForwards, SlipsBackwards, Open],
-                _ => &[Sticks, Slides, Open],
-            }
+        let options: Vec<Vec<Takes>> = (0..self.sides.len()).map(|place| self.options(&stage, place)).collect();
+        let tried = combinations(options.iter().map(Vec::as_slice)).into_iter();
+        let all = |takes: Vec<Takes>| {
+            self.impulses(&stage, &takes).into_iter().map(move |impulses| (takes.clone(), impulses))
         };
-        let tried = combinations(self.sides.iter().enumerate().map(options)).into_iter();
-        let all = |modes: Vec<ContactMode>| {
-            self.impulses(&stage, &modes).into_iter().map(move |impulses| (modes.clone(), impulses))
-        };
-        let found: Vec<(Vec<ContactMode>, DVector<f64>)> = tried.flat_map(all).collect();
+        let found: Vec<(Vec<Takes>, DVector<f64>)> = tried.flat_map(all).collect();
         let after = |impulses: &DVector<f64>| stage.rates + &self.flexibility * impulses;
         let alike = |one: &DVector<f64>, other: &DVector<f64>| {
             (after(other) - after(one)).amax() <= ALIKE * self.scale(stage.rates)
         };
         // What does not slide yet, and may stick, does not begin to slide.
-        let sticks_instead = |(one, slid): &(Vec<ContactMode>, DVector<f64>),
-                              (other, stuck): &(Vec<ContactMode>, DVector<f64>)| {
-            let instead = |(side, (one, other)): (&Side, (&ContactMode, &ContactMode))| {
-                let begins = one.sliding() != 0.0 && *other == ContactMode::Sticks && !self.slides(side, stage.rates);
-                one == other || begins
+        let sticks_instead = |(one, slid): &(Vec<Takes>, DVector<f64>), (other, stuck): &(Vec<Takes>, DVector<f64>)| {
+            let instead = |(side, (one, other)): (&Side, (&Takes, &Takes))| {
+                let sticks = Takes { mode: ContactMode::Sticks, ..*one };
+                one == other || one.mode.sliding() != 0.0 && *other == sticks && !self.slides(side, stage.rates)
             };
             !alike(slid, stuck) && self.sides.iter().zip(one.iter().zip(other)).all(instead)
         };
-        let stays = |one: &&(Vec<ContactMode>, DVector<f64>)| !found.iter().any(|other| sticks_instead(one, other));
-        let found: Vec<&(Vec<ContactMode>, DVector<f64>)> = found.iter().filter(stays).collect();
+        let stays = |one: &&(Vec<Takes>, DVector<f64>)| !found.iter().any(|other| sticks_instead(one, other));
+        let found: Vec<&(Vec<Takes>, DVector<f64>)> = found.iter().filter(stays).collect();
         match found.as_slice() {
             [(_, first), rest @ ..] if rest.iter().all(|(_, other)| alike(first, other)) => Ok(first.clone()),
             several => {
-                let idle = |(modes, _): &&&(Vec<ContactMode>, DVector<f64>)| !modes.iter().any(|mode| mode.touches());
+                let idle = |(takes, _): &&&(Vec<Takes>, DVector<f64>)| !takes.iter().any(|takes| takes.adds);
                 if let Some((_, given)) = several.iter().find(idle) {
                     return Ok(given.clone());
                 }
                 let mut all = system.contacts().modes(system.phase());
-                let mut named = |(modes, _): &&(Vec<ContactMode>, DVector<f64>)| {
-                    self.sides.iter().zip(modes).for_each(|(side, mode)| all[side.contact] = *mode);
+                let mut named = |(takes, _): &&(Vec<Takes>, DVector<f64>)| {
+                    self.sides.iter().zip(takes).for_each(|(side, takes)| all[side.contact] = takes.mode);
                     words(system, &all)
                 };
                 Err(Cause::UndecidedContacts { found: found.iter().map(&mut named).collect() }.into())
@@ -313,34 +312,47 @@ impl Collision {
         }
     }
 
-    /// The impulses under these modes, where those of the sides that take any agree with them: one at the most but in space.
-    fn impulses(&self, stage: &Stage<'_>, modes: &[ContactMode]) -> Vec<DVector<f64>> {
-        let sliding: Vec<usize> = (0..modes.len()).filter(|k| modes[*k] == ContactMode::Slides).collect();
+    /// What a side may do in a stage.
+    fn options(&self, stage: &Stage<'_>, place: usize) -> Vec<Takes> {
+        use ContactMode::{Closed, Open, Slides, SlipsBackwards, SlipsForwards, Sticks};
+        let side = &self.sides[place];
+        let touching: &[ContactMode] = match side.rates {
+            _ if !stage.taking.contains(&place) => &[],
+            0 => &[Closed],
+            1 => &[Sticks, SlipsForwards, SlipsBackwards],
+            _ => &[Sticks, Slides],
+        };
+        let takes = |adds: bool| touching.iter().map(move |mode| Takes { mode: *mode, adds });
+        // What is given back rubs, too, where nothing is added to it.
+        match stage.given[side.normal] > 0.0 && !touching.is_empty() {
+            true => takes(true).chain(takes(false)).collect(),
+            false => takes(true).chain([Takes { mode: Open, adds: false }]).collect(),
+        }
+    }
+
+    /// The impulses where sides do this, if it agrees with those of the sides that take any: one at the most but in space.
+    fn impulses(&self, stage: &Stage<'_>, takes: &[Takes]) -> Vec<DVector<f64>> {
+        let sliding: Vec<usize> = (0..takes.len()).filter(|k| takes[*k].mode == ContactMode::Slides).collect();
         let guesses: Vec<[f64; 2]> = sliding.iter().map(|k| self.sides[*k].direction(stage.rates)).collect();
-        let mut directions: Vec<[f64; 2]> = modes.iter().map(|mode| [mode.sliding(), 0.0]).collect();
+        let mut directions: Vec<[f64; 2]> = takes.iter().map(|takes| [takes.mode.sliding(), 0.0]).collect();
         let mut aim = |to: &[[f64; 2]]| {
             sliding.iter().zip(to).for_each(|(k, direction)| directions[*k] = *direction);
             directions.clone()
         };
         let found = consistent(&guesses, None, &mut |to| {
-            let after = stage.rates + &self.flexibility * self.impulses_along(stage, modes, &aim(to))?;
+            let after = stage.rates + &self.flexibility * self.impulses_along(stage, takes, &aim(to))?;
             Some(sliding.iter().map(|k| self.sides[*k].sliding(&after)).collect())
         });
         let of = |to: Vec<[f64; 2]>| {
             let directions = aim(&to);
-            let impulses = self.impulses_along(stage, modes, &directions)?;
-            self.agrees(stage, (modes, &directions), &impulses).then_some(impulses)
+            let impulses = self.impulses_along(stage, takes, &directions)?;
+            self.agrees(stage, (takes, &directions), &impulses).then_some(impulses)
         };
         found.into_iter().filter_map(of).collect()
     }
 
-    /// The impulses under these modes, with friction against these directions where something slides.
-    fn impulses_along(
-        &self,
-        stage: &Stage<'_>,
-        modes: &[ContactMode],
-        directions: &[[f64; 2]],
-    ) -> Option<DVector<f64>> {
+    /// The impulses where sides do this, with friction against these directions where something slides.
+    fn impulses_along(&self, stage: &Stage<'_>, takes: &[Takes], directions: &[[f64; 2]]) -> Option<DVector<f64>> {
         let Stage { rates, given, .. } = *stage;
         let m = self.rows.len();
         // P = base + spread x.
@@ -352,26 +364,23 @@ impl Collision {
             columns.push(unit(row));
             wanted.push((row, rates[row]));
         }
-        for ((side, mode), sliding) in self.sides.iter().zip(modes).zip(directions) {
-            // What is given back rubs, too, where nothing is added to it.
-            let slides = !mode.touches() && self.slides(side, rates);
-            let direction = if slides { side.direction(rates) } else { *sliding };
-            for (tangent, direction) in side.tangents().zip(direction) {
-                base[tangent] -= direction * side.friction[0] * given[side.normal];
-            }
-            if !mode.touches() {
+        for ((side, takes), sliding) in self.sides.iter().zip(takes).zip(directions) {
+            if !takes.mode.touches() {
                 continue;
             }
             let mut normal = unit(side.normal);
             for (tangent, sliding) in side.tangents().zip(sliding) {
                 normal[tangent] = -sliding * side.friction[0];
-                if mode.sliding() == 0.0 {
+                base[tangent] += normal[tangent] * given[side.normal];
+                if takes.mode.sliding() == 0.0 {
                     columns.push(unit(tangent));
                     wanted.push((tangent, 0.0));
                 }
             }
-            columns.push(normal);
-            wanted.push((side.normal, self.least(side, stage)));
+            if takes.adds {
+                columns.push(normal);
+                wanted.push((side.normal, self.least(side, stage)));
+            }
         }
         let spread = DMatrix::from_fn(m, columns.len(), |i, j| columns[j][i]);
         let effect = &self.flexibility * &spread;
@@ -386,23 +395,16 @@ impl Collision {
         meets.then_some(impulses)
     }
 
-    /// Whether impulses, and the rates after them, agree with the modes of the sides that take any.
-    fn agrees(
-        &self,
-        stage: &Stage<'_>,
-        (modes, directions): (&[ContactMode], &[[f64; 2]]),
-        impulses: &DVector<f64>,
-    ) -> bool {
+    /// Whether impulses, and the rates after them, agree with what the sides do that take any.
+    fn agrees(&self, stage: &Stage<'_>, (takes, directions): (&[Takes], &[[f64; 2]]), impulses: &DVector<f64>) -> bool {
         let Stage { taking, rates, given, .. } = *stage;
         let after = rates + &self.flexibility * impulses;
         let small = NOTHING * self.scale(rates);
         let none = NOTHING * impulses.amax();
         let agrees = |place: &usize| {
-            let (side, mode) = (&self.sides[*place], modes[*place]);
+            let (side, Takes { mode, adds }) = (&self.sides[*place], takes[*place]);
             let pressed = impulses[side.normal];
-            if !mode.touches() {
-                return after[side.normal] >= self.least(side, stage) - small;
-            }
+            let apart = adds || after[side.normal] >= self.least(side, stage) - small;
             let [first, second] = side.sliding(&after);
             let slides = match mode.sliding() {
                 0.0 => {
@@ -413,7 +415,7 @@ impl Collision {
                 }
                 _ => directions[*place][0] * first + directions[*place][1] * second >= -small,
             };
-            pressed >= given[side.normal] - none && slides
+            apart && pressed >= given[side.normal] - none && slides
         };
         taking.iter().all(agrees)
     }
@@ -437,7 +439,7 @@ impl Collision {
             impulses.iter().zip(self.before.iter().zip(&after)).map(|(p, (u, w))| 0.5 * p * (u + w)).sum();
         let turned: f64 = impulses.iter().zip(&self.before).map(|(p, u)| (p * u).abs()).sum();
         if gained > ALIKE * turned {
-            return Err(Cause::ImpactGainsEnergy { energy: gained }.into());
+            return Err(Cause::ImpactGainsEnergy { energy: gained, law: system.contacts().law }.into());
         }
         let small = NOTHING * self.scale(&after);
         let mut known = vec![None; system.contacts().all.len()];
