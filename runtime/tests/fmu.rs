@@ -240,6 +240,22 @@ fn told(python: &str, script: &str, folder: &Path) -> String {
     text
 }
 
+/// Where there is a C compiler it takes the sources, or `export` fails.
+#[test]
+fn a_compiler_takes_the_sources() {
+    let folder = folder("fmu-sources");
+    let files =
+        COMPARED.map(|(name, options)| (name, "3", options)).into_iter().chain([("slider_crank", "2", &[][..])]);
+    for (name, version, options) in files {
+        let (model, path) = (format!("{MODELS}/{name}.yaml"), folder.join(format!("{name}.fmu")));
+        let scene = options.chunks(2).filter(|option| option[0] == "--scene").flatten().copied();
+        let export = ["export", &model, "--fmi", version, "--fmu", path.to_str().unwrap()];
+        let told = run(&export.into_iter().chain(scene).collect::<Vec<_>>());
+        assert!(told.as_ref().is_ok_and(|told| told.starts_with("wrote ")), "{name}, FMI {version}: {told:?}");
+    }
+    fs::remove_dir_all(folder).unwrap();
+}
+
 #[test]
 fn fmus_move_as_the_program_does() {
     let Some(python) = python() else {

@@ -91,7 +91,7 @@ impl ModelFile {
 const LONGEST_INPUT: u64 = 1 << 26;
 
 /// What stands on standard input, which is read once.
-fn standard_input() -> Result<String, Problem> {
+pub(super) fn standard_input() -> Result<String, Problem> {
     static TEXT: OnceLock<String> = OnceLock::new();
     if let Some(text) = TEXT.get() {
         return Ok(text.clone());

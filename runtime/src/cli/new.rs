@@ -15,6 +15,9 @@ const SCHEMA: &str = "dalembert.schema.json";
 /// Writes `NAME.yaml` here, unless there is one, and its schema.
 pub fn run(options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let name = options.get_one::<String>("name").map_or("model", String::as_str).trim_end_matches(".yaml");
+    if matches!(name, "" | "-") {
+        return Err(Problem::usage(format!("`{name}` names no file: `new pendulum` writes pendulum.yaml")));
+    }
     let path = format!("{name}.yaml");
     if Path::new(&path).exists() {
         return Err(Problem::usage(format!("{path} exists already")));

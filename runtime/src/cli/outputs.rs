@@ -48,6 +48,7 @@ pub fn check_paths<'a>(paths: impl Iterator<Item = (&'a str, &'a str)>, model: &
             "animate" => playable(path)?,
             "csv" => ends_in(path, &["csv"])?,
             "npz" => ends_in(path, &["npz"])?,
+            "fmu" => ends_in(path, &["fmu"])?,
             "save" => ends_in(path, &["yaml", "yml", "txt"])?,
             "write" => ends_in(path, &["yaml", "yml"])?,
             _ => (),

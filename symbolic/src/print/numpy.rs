@@ -10,12 +10,12 @@ use crate::lower::{Entry, Program};
 use crate::model::command::evaluate_all;
 use crate::model::local_name;
 
-/// Python's keywords, and the names that the module has of itself.
+/// Python's keywords, the names that the module has of itself, and those of Python that it calls.
 const TAKEN: &[&str] = &[
     "False", "None", "True", "and", "as", "assert", "async", "await", "break", "class", "continue", "def", "del",
     "elif", "else", "except", "finally", "for", "from", "global", "if", "import", "in", "is", "lambda", "nonlocal",
     "not", "or", "pass", "raise", "return", "try", "while", "with", "yield", "np", "t", "q", "v", "p", "u", "phase",
-    "memory", "out", "n", "pieces_", "piece_", "bicubic_",
+    "memory", "out", "n", "pieces_", "piece_", "bicubic_", "float", "int", "len", "max", "range", "zip",
 ];
 
 /// Evaluates a table.

@@ -53,7 +53,15 @@ pub struct Fmu {
     /// The archive.
     pub bytes: Vec<u8>,
     /// Why it has no library.
-    pub without_library: Option<String>,
+    pub without_library: Option<NoLibrary>,
+}
+
+/// Why an FMU has no library.
+pub enum NoLibrary {
+    /// None can be made here.
+    Impossible(String),
+    /// A compiler did not take the sources.
+    Refused(String),
 }
 
 /// The FMU of a model.
@@ -140,20 +148,22 @@ fn build(name: &str, sources: &[String]) -> String {
 }
 
 /// The library for Linux on x86-64.
-fn library(name: &str, sources: &[(String, String)]) -> Result<Vec<u8>, String> {
+fn library(name: &str, sources: &[(String, String)]) -> Result<Vec<u8>, NoLibrary> {
+    let impossible = |reason: &str| NoLibrary::Impossible(reason.to_owned());
     if !cfg!(all(target_os = "linux", target_arch = "x86_64")) {
-        return Err("a library is compiled on Linux on x86-64 only".to_owned());
+        return Err(impossible("a library is compiled on Linux on x86-64 only"));
     }
     let known = |compiler: &&str| {
         let tried = Command::new(compiler).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
         tried.is_ok_and(|status| status.success())
     };
-    let compiler = ["cc", "gcc", "clang"].into_iter().find(known).ok_or("there is no C compiler")?;
+    let compiler =
+        ["cc", "gcc", "clang"].into_iter().find(known).ok_or_else(|| impossible("there is no C compiler"))?;
     let folder = std::env::temp_dir().join(format!("dalembert-fmu-{}-{name}", std::process::id()));
     let compiled = compile(compiler, &folder, name, sources);
     let removed = std::fs::remove_dir_all(&folder);
-    let bytes = compiled?;
-    removed.map_err(|error| error.to_string())?;
+    let bytes = compiled.map_err(NoLibrary::Refused)?;
+    removed.map_err(|error| NoLibrary::Refused(error.to_string()))?;
     Ok(bytes)
 }
 

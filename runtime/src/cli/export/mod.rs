@@ -12,7 +12,7 @@ use clap::ArgMatches;
 use dalembert_symbolic::print::{self, CText};
 
 use self::description::Start;
-use self::fmu::Fmi;
+use self::fmu::{Fmi, NoLibrary};
 use super::load::Loaded;
 use super::set_up::set_up;
 use super::{Context, Problem, initial_phases, outputs};
@@ -35,6 +35,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     let mut program = loaded.program()?;
     initial_phases::decide(&mut program, &loaded);
     let code = print::c(&program, &loaded.name);
+    outputs::check(options, &["fmu"], &loaded.path)?;
     if let Some(folder) = options.get_one::<String>("c") {
         c(&code, Path::new(folder), out)?;
     }
@@ -42,14 +43,16 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
         if options.contains_id("input") {
             return Err(Problem::usage("--input: inputs of an FMU are set by the program that runs it"));
         }
-        outputs::ends_in(path, &["fmu"])?;
         let start = start(&mut loaded, options)?;
         let two = options.get_one::<String>("fmi").is_some_and(|version| version == "2");
         let fmu = fmu::fmu(if two { Fmi::Two } else { Fmi::Three }, &program, &code, &start)?;
-        fs::write(path, fmu.bytes)?;
+        outputs::write(path, fmu.bytes)?;
         match fmu.without_library {
             None => writeln!(out, "wrote {path}")?,
-            Some(reason) => writeln!(out, "wrote {path}, sources only: {reason}")?,
+            Some(NoLibrary::Impossible(reason)) => writeln!(out, "wrote {path}, sources only: {reason}")?,
+            Some(NoLibrary::Refused(reason)) => {
+                return Err(Problem::File(format!("wrote {path}, sources only: {reason}")));
+            }
         }
     }
     Ok(())
@@ -63,9 +66,10 @@ fn c(code: &CText, folder: &Path, out: &mut dyn Write) -> Result<(), Problem> {
         ("dalembert_core.h".to_owned(), print::CORE_HEADER.to_owned()),
         ("dalembert_core.c".to_owned(), print::core_file()),
     ];
-    fs::create_dir_all(folder)?;
+    fs::create_dir_all(folder)
+        .map_err(|problem| Problem::File(format!("--c: cannot make the folder `{}`: {problem}", folder.display())))?;
     for (file, text) in &files {
-        fs::write(folder.join(file), text)?;
+        outputs::write(&folder.join(file).to_string_lossy(), text)?;
     }
     let names: Vec<&str> = files.iter().map(|(file, _)| file.as_str()).collect();
     writeln!(out, "wrote {} to {}", names.join(", "), folder.display())?;

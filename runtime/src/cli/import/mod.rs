@@ -27,6 +27,7 @@ use dalembert_symbolic::diagnose::{Place, Problem as Mistake};
 use dalembert_symbolic::file::render;
 use dalembert_symbolic::model;
 
+use super::load::standard_input;
 use super::{Problem, outputs};
 use plan::Plan;
 use robot::{Joint, Kind, Limits, Link, Pose, Robot};
@@ -37,11 +38,17 @@ const LINKS: usize = 2000;
 /// Reads the robot, and writes its model file.
 pub fn run(options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let from = options.get_one::<String>("robot").map_or("", String::as_str);
-    let bytes = std::fs::read(from).map_err(|problem| Problem::File(format!("cannot read {from}: {problem}")))?;
-    let text = String::from_utf8(bytes)
-        .map_err(|_| Problem::usage(format!("{from} is not UTF-8; `iconv -t UTF-8 {from}` makes it so")))?;
-    let name =
-        Path::new(from).file_stem().map_or_else(|| "robot".to_owned(), |stem| stem.to_string_lossy().into_owned());
+    let text = match from {
+        "-" => standard_input()?,
+        _ => {
+            let bytes =
+                std::fs::read(from).map_err(|problem| Problem::File(format!("cannot read {from}: {problem}")))?;
+            String::from_utf8(bytes)
+                .map_err(|_| Problem::usage(format!("{from} is not UTF-8; `iconv -t UTF-8 {from}` makes it so")))?
+        }
+    };
+    let stem = Path::new(from).file_stem().filter(|_| from != "-");
+    let name = stem.map_or_else(|| "robot".to_owned(), |stem| stem.to_string_lossy().into_owned());
     let chosen = options.get_one::<String>("output");
     let path = chosen.cloned().unwrap_or_else(|| format!("{name}.yaml"));
     outputs::ends_in(&path, &["yaml", "yml"])?;

@@ -64,17 +64,7 @@ pub(super) fn least_largest(parts: &[Part]) -> Option<DVector<f64>> {
     }
     let mut w = pressed(parts, least_squares(parts)?)?;
     let parts: Vec<Part> = parts.iter().map(|part| part.in_units_of(part.limit.at(&w))).collect();
-    if parts.iter().any(|part| part.limit.value.is_nan()) {
-        return None;
-    }
-    let mut cuts: Vec<(usize, DVector<f64>)> = Vec::new();
-    for (k, part) in parts.iter().enumerate() {
-        for axis in 0..part.force.len() {
-            for sign in [1.0, -1.0] {
-                cuts.push((k, DVector::from_fn(part.force.len(), |i, _| if i == axis { sign } else { 0.0 })));
-            }
-        }
-    }
+    let mut cuts = Cuts::along_axes(&parts);
     let mut best = w.clone();
     for _ in 0..ROUNDS {
         if let Some(exact) = polished(&parts, &w) {
@@ -82,56 +72,92 @@ pub(super) fn least_largest(parts: &[Part]) -> Option<DVector<f64>> {
         }
         let s = largest(&parts, &best);
         let limits: Vec<f64> = parts.iter().map(|part| part.limit.at(&best)).collect();
-        let bound = |(k, direction): &(usize, DVector<f64>)| {
-            let Bound { slope, value } = parts[*k].along(direction, s);
-            Bound { slope: slope / limits[*k], value: value / limits[*k] }
-        };
-        // What presses is pressed on, whatever it holds.
-        let presses = parts.iter().zip(&limits).filter(|(part, _)| part.limit.slope.amax() > 0.0);
-        let presses = presses.map(|(part, limit)| Bound {
-            slope: -s * &part.limit.slope / *limit,
-            value: -s * part.limit.value / limit,
-        });
-        let bounds: Vec<Bound> = cuts.iter().map(bound).chain(presses).collect();
-        let count = cuts.len();
-        let lowest = lowest(&bounds, &mut w)?;
-        match &lowest {
-            Lowest::At(height) => {
-                for (k, part) in parts.iter().enumerate() {
-                    let force = part.at(&w);
-                    let size = force.norm();
-                    if (size - s * part.limit.at(&w)) / limits[k] > height + EXACT * s.max(1.0) {
-                        cuts.push((k, force / size));
-                    }
-                }
-            }
+        let exceeded = match lowest(&cuts.bounds(s, &limits), &mut w)? {
+            Lowest::At(height) => cuts.add_at(&w, s, height + EXACT * s.max(1.0), &limits),
             Lowest::Falls(way) => {
-                let along = |part: &Part| (part.idle.clone() * way, part.limit.slope.dot(way));
-                let jams = parts.iter().map(along).map(|(force, limit)| match force.norm() {
-                    0.0 => 0.0,
-                    size => size / limit.max(0.0),
-                });
-                let jams = jams.fold(0.0, f64::max);
-                if jams < s.min(1.0) {
-                    return Some(jammed(&parts, &best, way, jams));
+                let least = far_along(&parts, &way);
+                if least < s.min(1.0) {
+                    return Some(jammed(&parts, &best, &way, least));
                 }
-                for (k, part) in parts.iter().enumerate() {
-                    let (force, limit) = along(part);
-                    if force.norm() > s * limit.max(0.0) {
-                        cuts.push((k, force.normalize()));
-                    }
-                }
+                cuts.add_far_along(&way, s)
             }
-        }
+        };
         let falls = s - largest(&parts, &w);
         if falls > 0.0 {
             best.copy_from(&w);
         }
-        if cuts.len() == count && falls <= EXACT * s.max(1.0) {
+        if !exceeded && falls <= EXACT * s.max(1.0) {
             break;
         }
     }
     Some(best)
+}
+
+/// Directions of parts in which |T| is bounded from below.
+struct Cuts<'a> {
+    parts: &'a [Part],
+    known: Vec<(usize, DVector<f64>)>,
+}
+
+impl<'a> Cuts<'a> {
+    fn along_axes(parts: &'a [Part]) -> Self {
+        let mut known = Vec::new();
+        for (k, part) in parts.iter().enumerate() {
+            for axis in 0..part.force.len() {
+                for sign in [1.0, -1.0] {
+                    known.push((k, DVector::from_fn(part.force.len(), |i, _| if i == axis { sign } else { 0.0 })));
+                }
+            }
+        }
+        Cuts { parts, known }
+    }
+
+    /// (|T| − s L)/L⁻ from below; L ≥ 0 is asked of what holds nothing, too.
+    fn bounds(&self, s: f64, limits: &[f64]) -> Vec<Bound> {
+        let bound = |(k, direction): &(usize, DVector<f64>)| {
+            let Bound { slope, value } = self.parts[*k].along(direction, s);
+            Bound { slope: slope / limits[*k], value: value / limits[*k] }
+        };
+        let presses = self.parts.iter().zip(limits).filter(|(part, _)| part.limit.slope.amax() > 0.0);
+        let presses = presses.map(|(part, limit)| Bound {
+            slope: -s * &part.limit.slope / *limit,
+            value: -s * part.limit.value / limit,
+        });
+        self.known.iter().map(bound).chain(presses).collect()
+    }
+
+    /// Cuts what is more than a height at a place; whether anything is.
+    fn add_at(&mut self, w: &DVector<f64>, s: f64, height: f64, limits: &[f64]) -> bool {
+        let before = self.known.len();
+        for (k, part) in self.parts.iter().enumerate() {
+            let force = part.at(w);
+            if (force.norm() - s * part.limit.at(w)) / limits[k] > height {
+                self.known.push((k, force.normalize()));
+            }
+        }
+        self.known.len() > before
+    }
+
+    /// Cuts what does not fall along a way in the end; whether anything does not.
+    fn add_far_along(&mut self, way: &DVector<f64>, s: f64) -> bool {
+        let before = self.known.len();
+        for (k, part) in self.parts.iter().enumerate() {
+            let force = &part.idle * way;
+            if force.norm() > s * part.limit.slope.dot(way).max(0.0) {
+                self.known.push((k, force.normalize()));
+            }
+        }
+        self.known.len() > before
+    }
+}
+
+/// The largest ratio far along a way.
+fn far_along(parts: &[Part], way: &DVector<f64>) -> f64 {
+    let ratio = |part: &Part| match (&part.idle * way).norm() {
+        0.0 => 0.0,
+        size => size / part.limit.slope.dot(way).max(0.0),
+    };
+    parts.iter().map(ratio).fold(0.0, f64::max)
 }
 
 /// The w with the least sum of squares of T/L, as far as limits are known at 0; rows that are rounding count for nothing in it.

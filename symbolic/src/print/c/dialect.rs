@@ -271,10 +271,17 @@ const BESIDE: [&str; 8] = [
     "fmu_integrate",
 ];
 
+/// The headers of C99, which a file of the same name beside the sources may hide.
+const HEADERS: [&str; 24] = [
+    "assert", "complex", "ctype", "errno", "fenv", "float", "inttypes", "iso646", "limits", "locale", "math", "setjmp",
+    "signal", "stdarg", "stdbool", "stddef", "stdint", "stdio", "stdlib", "string", "tgmath", "time", "wchar",
+    "wctype",
+];
+
 /// A name of the file inside functions.
 pub(super) fn identifier(name: &str) -> String {
     let name = local_name(name).trim_start_matches("r#").to_owned();
-    if BESIDE.contains(&name.as_str()) { name + "_" } else { name }
+    if BESIDE.contains(&name.as_str()) || HEADERS.contains(&name.as_str()) { name + "_" } else { name }
 }
 
 /// Words of the file inside a comment, which they neither end nor open.
@@ -317,6 +324,12 @@ mod tests {
         ] {
             assert_eq!(float(x), text);
         }
+    }
+
+    #[test]
+    fn files_hide_no_header() {
+        let names = ["math", "stdio", "fmu_calls", "mathematics", "pendulum"].map(identifier);
+        assert_eq!(names, ["math_", "stdio_", "fmu_calls_", "mathematics", "pendulum"]);
     }
 
     #[test]

@@ -223,7 +223,7 @@ static int change(instance *m, int count, const int *which, const double *miss, 
     MODEL(constraint_matrix)(m->c, m->t, m->u, m->q, matrix);
     for (int i = 0; i < COORDINATES; i++) nothing[i] = 0.0;
     for (int k = 0; k < count; k++) memcpy(rows + k * COORDINATES, matrix + which[k] * COORDINATES, COORDINATES * sizeof(double));
-    return dalembert_constrained(COORDINATES, count, 0, mass, nothing, rows, miss, NULL, d, mu, doubles, ints) == 0;
+    return dalembert_constrained(COORDINATES, count, 0, mass, nothing, rows, miss, NULL, NULL, d, mu, doubles, ints) == 0;
 #else
     (void)m; (void)count; (void)which; (void)miss; (void)d;
     return 1;
@@ -326,7 +326,7 @@ static int push(instance *m, const double *pushed) {
         miss[k] = c[3 * which[k] + 1];
         memcpy(rows + k * COORDINATES, matrix + which[k] * COORDINATES, COORDINATES * sizeof(double));
     }
-    if (count > 0 ? dalembert_constrained(COORDINATES, count, 0, mass, pushed, rows, miss, NULL, d, mu, doubles, ints) : dalembert_solve(COORDINATES, mass, pushed, d)) return 0;
+    if (count > 0 ? dalembert_constrained(COORDINATES, count, 0, mass, pushed, rows, miss, NULL, NULL, d, mu, doubles, ints) : dalembert_solve(COORDINATES, mass, pushed, d)) return 0;
 #else
     if (dalembert_solve(COORDINATES, mass, pushed, d)) return 0;
 #endif
