@@ -47,9 +47,11 @@ pub(super) fn known(
     let touches = contact.normal.is_none()
         || match (change, struck) {
             (_, Some(after)) => after.rests,
+            (Change::Start(_), _) => present.touches() || rests,
             _ if jumped_from.is_some_and(|before| (before.gap, before.gap_rate) != (gap, gap_rate)) => rests,
+            (Change::Struck(_), None) => present.touches() || rests,
             _ if happened == Some(ContactEvent::Lands) => situation.closed[k] && (gap_is_still || gap_rate < 0.0),
-            _ => present.touches() || rests,
+            _ => present.touches(),
         };
     let rolls = match (happened, change, struck) {
         (Some(ContactEvent::Stops | ContactEvent::Slips), ..) => true,

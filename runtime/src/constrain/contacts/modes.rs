@@ -122,9 +122,7 @@ pub(crate) fn settle(system: &mut dyn System, moment: &Moment<'_>, change: Chang
     let chosen = match agree.as_slice() {
         [] => None,
         [first, rest @ ..] => {
-            // Where a motion begins of which nothing is known yet, all count as open.
-            let unknown = matches!(change, Change::Start(_)) && !first.modes.iter().any(|mode| mode.touches());
-            let present = first.modes == situation.modes && forced.is_none() && !unknown;
+            let present = first.modes == situation.modes && forced.is_none();
             let one_motion = present || rest.iter().all(|other| alike(first, other));
             let mut same = vec![*first];
             same.extend(rest.iter().copied().filter(|other| alike(first, other)));

@@ -2,16 +2,16 @@
 //!
 //! They stay as long as they can share it so that none is beyond its limit (the static theorem of limit analysis; Drucker, Prager, Greenberg,
 //! Q. Appl. Math. 9, 1952, 381).  Of all shares that the equations admit the one is taken at which the largest part of a limit that any needs is the
-//! least: min over w of max |T + Z w|/L(w).  What friction presses, as the wall that a ladder leans on, has limits that grow with it; how contacts share
-//! what presses them without friction stays what it is.
+//! least: min over w of max |T + Z w|/L(w).  What friction presses harder or less, as the wall that a ladder leans on, has limits that grow with it; how
+//! contacts share what presses them without friction stays what it is.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::IN_SPAN;
 use super::bounds::Bound;
 use super::least_largest::{Part, least_largest};
-use crate::matrix::svd;
-use crate::mechanism::dense::multiplier_effects;
+use crate::matrix::{solve_least, svd};
+use crate::mechanism::dense::{constraint_matrix, mass_matrix, multiplier_effects};
 use crate::mechanism::{At, ContactEvent, ContactMode, Singular, System, rows_in_force};
 
 /// What can hold nothing has this part of the largest limit, so that it is given no force that another one can take.
@@ -83,10 +83,10 @@ fn groups<S: System + ?Sized>(system: &S, at: At<'_>) -> Vec<Group> {
         if rows.len() < 2 || sticking.is_empty() {
             continue;
         }
-        let is_across: Vec<bool> = rows.iter().map(|row| normals.contains(row)).collect();
+        let across: Vec<usize> = (0..rows.len()).filter(|place| normals.contains(&rows[*place])).collect();
         let own = |row: &usize| sticking.iter().any(|k| contacts.all[*k].normal == Some(*row as u32));
         let pressed = rows.iter().copied().filter(|row| normals.contains(row) && !own(row)).collect();
-        if let Some(idle) = idle_but_across(&matrix.select_rows(&places), &is_across) {
+        if let Some(idle) = idle_of(system, at, &rows, (&matrix.select_rows(&places), &across)) {
             found.push(Group { rows, idle, contacts: sticking, pressed });
         }
     }
@@ -126,26 +126,82 @@ fn idle(rows: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     (!columns.is_empty()).then(|| DMatrix::from_columns(&columns))
 }
 
-/// The same without what rows across do by themselves.
-fn idle_but_across(rows: &DMatrix<f64>, is_across: &[bool]) -> Option<DMatrix<f64>> {
-    let all = idle(rows)?;
-    let across: Vec<usize> = (0..is_across.len()).filter(|row| is_across[*row]).collect();
+/// Those of some directions in which these forms, a row each, vanish.
+fn within(directions: &DMatrix<f64>, forms: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let values = forms * directions;
+    let count = directions.ncols();
+    let square = values.resize_vertically(forms.nrows().max(count), 0.0);
+    let svd = svd(square, false, true)?;
+    let vectors = svd.v_t?;
+    let nothing = IN_SPAN * forms.norm() * directions.norm();
+    let kept: Vec<usize> = (0..count).filter(|k| svd.singular_values[*k] <= nothing).collect();
+    (!kept.is_empty()).then(|| directions * vectors.select_rows(&kept).transpose())
+}
+
+/// Idle combinations but for those of forces across alone, which are shared as they are; and without forces across where something is not pressed but by
+/// friction: what nothing presses at first, as a rod that falls between two walls, does not jam.
+fn idle_of<S: System + ?Sized>(
+    system: &S,
+    at: At<'_>,
+    rows: &[usize],
+    (effects, across): (&DMatrix<f64>, &[usize]),
+) -> Option<DMatrix<f64>> {
+    let all = idle(effects)?;
     if across.is_empty() {
         return Some(all);
     }
-    let mut left = all.clone();
-    if let Some(alone) = idle(&rows.select_rows(&across)) {
-        let alone = svd(alone, true, false)?.u?;
-        let mut whole = DMatrix::zeros(rows.nrows(), alone.ncols());
-        across.iter().enumerate().for_each(|(place, row)| whole.row_mut(*row).copy_from(&alone.row(place)));
-        left -= &whole * whole.tr_mul(&all);
+    let of_normals: Vec<usize> = across.iter().map(|place| rows[*place]).collect();
+    let unit = |list: &[usize]| DMatrix::from_fn(list.len(), rows.len(), |i, j| f64::from(u8::from(list[i] == j)));
+    let mixed = match idle(&constraint_matrix(system, at, &of_normals)) {
+        Some(alone) => within(&all, &(alone.transpose() * unit(across)))?,
+        None => all.clone(),
+    };
+    let moved = |row: &usize| mixed.row(*row).amax() > IN_SPAN * mixed.amax();
+    let moved: Vec<usize> = across.iter().copied().filter(moved).collect();
+    if moved.is_empty() {
+        return Some(mixed);
     }
-    let largest = all.norm();
-    let svd = svd(left, true, false)?;
-    let vectors = svd.u?;
-    let kept: Vec<usize> =
-        (0..svd.singular_values.len()).filter(|k| svd.singular_values[*k] > IN_SPAN * largest).collect();
-    (!kept.is_empty()).then(|| vectors.select_columns(&kept))
+    let pressed = pressed_without_friction(system, at)?;
+    match moved.iter().all(|place| pressed[rows[*place]] > 0.0) {
+        true => Some(mixed),
+        false => within(&all, &unit(across)),
+    }
+}
+
+/// The multipliers where nothing sticks that does, and is not rubbed either; 0 where they are rounding.
+fn pressed_without_friction<S: System + ?Sized>(system: &S, at: At<'_>) -> Option<Vec<f64>> {
+    let (n, count) = (at.q.len(), system.description().rows.len());
+    let contacts = system.contacts();
+    let modes = contacts.modes(system.phase());
+    let sticks = |row: &usize| {
+        let own =
+            |k: usize| modes[k] == ContactMode::Sticks && contacts.all[k].tangents().any(|own| own as usize == *row);
+        (0..modes.len()).any(own)
+    };
+    let rows: Vec<usize> = rows_in_force(system).filter(|row| !sticks(row)).collect();
+    let (mut h, mut gamma) = (vec![0.0; n], vec![0.0; count]);
+    system.bias(at, &mut h);
+    system.constraint_bias(at, &mut gamma);
+    let effects = multiplier_effects(system, at, &rows);
+    let mut right = effects.insert_column(rows.len(), 0.0);
+    right.column_mut(rows.len()).copy_from_slice(&h);
+    let moved = solve_least(&mass_matrix(system, at), &right)?;
+    let matrix = constraint_matrix(system, at, &rows);
+    let flexibility = &matrix * moved.columns(0, rows.len());
+    let free = &matrix * moved.column(rows.len());
+    let wanted = DVector::from_fn(rows.len(), |i, _| free[i] - gamma[rows[i]]);
+    let svd = svd(flexibility.clone(), true, true)?;
+    let nothing = IN_SPAN * svd.singular_values.max();
+    let found = svd.solve(&wanted, nothing).ok()?;
+    let mut lambda = vec![0.0; count];
+    for (i, row) in rows.iter().enumerate() {
+        // Beside what of it the forces and the rates make one by one.
+        let terms: f64 =
+            (0..n).map(|k| (matrix[(i, k)] * moved[(k, rows.len())]).abs()).sum::<f64>() + gamma[*row].abs();
+        let least = IN_SPAN * terms / flexibility[(i, i)].abs().max(f64::MIN_POSITIVE);
+        lambda[*row] = if found[i].abs() > least { found[i] } else { 0.0 };
+    }
+    Some(lambda)
 }
 
 impl Group {
