@@ -116,6 +116,9 @@ scene: {start: {attitude: [[x, 0.8], [y, 0]], attitude': [0, 3.1709491405362132,
 #[test]
 fn a_bennett_linkage_follows_its_closed_form() {
     follows("bennett", "bennett", 2.0, 1e-9);
+    // By the balances, with the forces and couples of its hinges or without.
+    runs_as(Case::new("bennett").by("three_moments"), "bennett", 2.0, 1e-9);
+    runs_as(Case::new("bennett").by("with_hinges"), "bennett", 2.0, 1e-9);
 }
 
 /// Against Newton's and Euler's equations in vectors, without angles (`tests/reference/space/tops.py`).
