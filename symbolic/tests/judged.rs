@@ -397,3 +397,23 @@ fn a_reaction_on_a_particle_acts_at_the_particle() {
     refused(&file, "[7*L, 0]", "the particle `b` takes forces at its own position only", "[x, y]");
     refused(&file, "[2*x, y]", "the particle `b` takes forces at its own position only", "[2*x - x, y]");
 }
+
+/// The last of a row of masses begins as a high power of time, the last body of a chain of rotations likewise: their errors are parts of
+/// their own ranges however short the step.
+#[test]
+fn a_motion_that_reaches_the_last_of_a_chain_late_is_followed() {
+    let row = "name: Row\nsizes: {n: 7}\nparameters: {m: 1 kg, k: 100 N/m}\ncoordinates: {\"x[i in 1..n]\": m}
+points: {\"P[i in 1..n]\": \"[x[i], 0]\"}\nbodies: {\"b[i in 1..n]\": {mass: m, position: \"P[i]\"}}
+springs: {\"s[i in 2..n]\": {stretch: \"x[i] - x[i-1]\", stiffness: k}}\nconserved: {energy: energy}
+scene: {start: {\"x[1]\": 0.1}, until: 2}\n";
+    let bodies = "name: Bodies\nsizes: {n: 3}\nparameters: {m: 1 kg, l: 0.5 m, g: 9.81 m/s^2}\ncoordinates: {\"r[i in 1..n]\": rotation}
+frames: {\"B[i in 1..n]\": {rotate: \"r[i]\"}}\npoints: {\"P[0]\": [0, 0, 0], \"P[i in 1..n]\": \"P[i-1] - l*B[i].z\"}
+bodies: {\"b[i in 1..n]\": {mass: m, inertia: [0.02, 0.03, 0.01], frame: \"B[i]\", position: \"(P[i-1] + P[i])/2\"}}
+gravity: [0, 0, -g]\nconserved: {energy: energy}
+scene: {start: {\"r[1]\": [[x, 1]], \"r[2]'\": [0.1, 2, 0]}, until: 2}\n";
+    for text in [row, bodies] {
+        let program = compile(text, &[]).unwrap_or_else(|problems| panic!("{problems:?}"));
+        let (scene, reached, until) = &program.report.followed[0];
+        assert!(reached > &(0.2 * until), "{scene}: {reached} of {until}");
+    }
+}

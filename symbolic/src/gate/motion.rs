@@ -1,5 +1,7 @@
 //! The motion at a state: inputs, modes, and the accelerations with the scale of their errors.
 
+use std::collections::HashMap;
+
 use super::dense::{Deficient, factor, solve};
 use super::elimination::Elimination;
 use super::rows::{Constraints, Held, RoughlyHeld};
@@ -7,7 +9,7 @@ use super::state::State;
 use crate::derive::elimination::Eliminated;
 use crate::derive::{Equations, Rows, Switch, rates, without_modes};
 use crate::expr::{Id, Measured, Symbol, Tape};
-use crate::model::Model;
+use crate::model::{Coordinate, Model};
 use crate::number::DoubleDouble;
 
 /// Lagrange's equations of a model, ready to evaluate anywhere.
@@ -16,6 +18,8 @@ pub(super) struct Motion {
     pub n: usize,
     /// The first of the four numbers of each rotation.
     rotations: Vec<usize>,
+    /// The first coordinate with the unit of each.
+    pub alike: Vec<usize>,
     inputs: Vec<Tape>,
     /// Held values at the start.
     memory: Tape,
@@ -80,6 +84,7 @@ impl Motion {
         Motion {
             n,
             rotations: model.rotations.iter().map(|rotation| rotation.first).collect(),
+            alike: alike(&model.coordinates),
             inputs,
             memory: Tape::new(graph, &starts),
             modes: Tape::new(graph, &modes),
@@ -471,6 +476,12 @@ impl Motion {
         found.iter().for_each(|found| block.iter().zip(found).for_each(|(&i, x)| a[i] = *x));
         found.is_some()
     }
+}
+
+/// The first coordinate with the unit of each, as it is written.
+fn alike(coordinates: &[Coordinate]) -> Vec<usize> {
+    let mut firsts = HashMap::new();
+    coordinates.iter().enumerate().map(|(i, coordinate)| *firsts.entry(&coordinate.unit).or_insert(i)).collect()
 }
 
 /// What an instant does to the speeds.

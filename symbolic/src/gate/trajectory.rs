@@ -16,6 +16,9 @@ const WORK: usize = 8_000_000;
 const LOOKS: usize = 20;
 /// The error of an explicit step, relative to the range of each component.
 const TOLERANCE: f64 = 1e-4;
+/// What has moved by less than this part of what else has its unit has that part of their range: the last link of a chain begins with so
+/// high a power of time that its error is a part of its own range however short the step.
+const BESIDE: f64 = 1e-6;
 /// The error of an implicit step, likewise.
 const STIFF_TOLERANCE: f64 = 1e-3;
 /// An event is found to this power of ½ of a step: a step of a motion without forces may be a hundred thousand times the way to the wall that it
@@ -169,6 +172,7 @@ impl<'a> Runner<'a> {
         let mut error = f64::INFINITY;
         if let Some((y, difference)) = &trial {
             error = 0.0;
+            let sizes = self.sizes(y);
             for (i, d) in difference.iter().enumerate() {
                 let (low, high) = self.range[i];
                 // What was at rest and is set going by a discontinuity is off by about its own change, however short
@@ -176,9 +180,8 @@ impl<'a> Runner<'a> {
                 if self.t > 0.0 && low == high && self.h < SHORTEST * self.until {
                     continue;
                 }
-                let size = high.max(y[i]) - low.min(y[i]);
                 let beyond = d.abs() - self.rounding(i);
-                let share = if size > 0.0 && beyond > 0.0 { beyond / (tolerance * size) } else { 0.0 * beyond };
+                let share = if sizes[i] > 0.0 && beyond > 0.0 { beyond / (tolerance * sizes[i]) } else { 0.0 * beyond };
                 error = if share.is_nan() { f64::INFINITY } else { error.max(share) };
             }
         }
@@ -201,6 +204,16 @@ impl<'a> Runner<'a> {
         self.y = y;
         self.pass();
         true
+    }
+
+    /// The range of each component with this place in it, no less than a part of the range of those that are alike.
+    fn sizes(&self, y: &[f64]) -> Vec<f64> {
+        let n = self.motion.n;
+        let own: Vec<f64> = self.range.iter().zip(y).map(|((low, high), y)| high.max(*y) - low.min(*y)).collect();
+        let kind = |i: usize| self.motion.alike[i % n] + if i < n { 0 } else { n };
+        let mut widest = vec![0.0_f64; y.len()];
+        own.iter().enumerate().for_each(|(i, size)| widest[kind(i)] = widest[kind(i)].max(*size));
+        own.iter().enumerate().map(|(i, size)| size.max(BESIDE * widest[kind(i)])).collect()
     }
 
     /// Notes where the run is.
