@@ -206,10 +206,22 @@ pub enum Tried {
 pub struct Quantity {
     /// `tip`.
     pub name: Text,
-    /// 1 for a scalar, else 2 or 3.
+    /// 1 for a scalar, 2 or 3 for a vector, 4 for a quaternion.
     pub components: u32,
     /// Its unit in SI; empty where it is a pure number or not known.
     pub unit: Text,
+}
+
+impl Quantity {
+    /// What its components are called after a point: `x`, `y`, `z` of a vector, `w` before these of a quaternion; nothing of a scalar.
+    pub fn axes(&self) -> &'static [&'static str] {
+        match self.components {
+            0 | 1 => &[],
+            2 => &["x", "y"],
+            3 => &["x", "y", "z"],
+            _ => &["w", "x", "y", "z"],
+        }
+    }
 }
 
 /// Something that happens when a function crosses zero.

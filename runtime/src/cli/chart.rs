@@ -191,9 +191,9 @@ fn twin(
 
 /// Outputs, component by component, as runs name them.
 fn components(description: &Description) -> Vec<String> {
-    let of = |output: &crate::mechanism::Quantity| match output.components {
-        1 => vec![output.name.to_string()],
-        count => ["x", "y", "z"].iter().take(count as usize).map(|axis| format!("{}.{axis}", output.name)).collect(),
+    let of = |output: &crate::mechanism::Quantity| match output.axes() {
+        [] => vec![output.name.to_string()],
+        axes => axes.iter().map(|axis| format!("{}.{axis}", output.name)).collect(),
     };
     description.outputs.iter().flat_map(of).collect()
 }

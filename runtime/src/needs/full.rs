@@ -427,11 +427,9 @@ fn amounts(system: &dyn System, given: &[(String, f64)]) -> Result<Vec<(String, 
 pub(super) fn columns(system: &dyn System, wanted: &[String]) -> Result<Vec<String>, NeedsError> {
     let description = system.description();
     let outputs = description.outputs.iter().map(|output| {
-        let parts: Vec<String> = match output.components {
-            1 => vec![output.name.to_string()],
-            count => {
-                ["x", "y", "z"].iter().take(count as usize).map(|axis| format!("{}.{axis}", output.name)).collect()
-            }
+        let parts: Vec<String> = match output.axes() {
+            [] => vec![output.name.to_string()],
+            axes => axes.iter().map(|axis| format!("{}.{axis}", output.name)).collect(),
         };
         (output.name.to_string(), parts)
     });

@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::Index;
 use std::sync::Arc;
 
-use crate::mechanism::{Description, HIDDEN, rate_name};
+use crate::mechanism::{Description, HIDDEN, Quantity, rate_name};
 
 /// The names under which a run's numbers are found.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -16,7 +16,7 @@ pub(crate) struct Names {
 impl Names {
     pub fn of(description: &Description) -> Self {
         let coordinates = description.coordinates.iter().map(|c| c.name.to_string()).collect();
-        let outputs = description.outputs.iter().flat_map(|o| components(&o.name, o.components)).collect();
+        let outputs = description.outputs.iter().flat_map(components).collect();
         Names { coordinates, outputs }
     }
 
@@ -48,10 +48,10 @@ pub(crate) fn state_position(coordinates: &[String], state: &str) -> Option<usiz
 }
 
 /// `tip.x`, `tip.y` of a vector, `speed` of a scalar.
-fn components(name: &str, count: u32) -> Vec<String> {
-    match count {
-        1 => vec![name.to_owned()],
-        _ => ["x", "y", "z"].iter().take(count as usize).map(|axis| [name, ".", axis].concat()).collect(),
+fn components(output: &Quantity) -> Vec<String> {
+    match output.axes() {
+        [] => vec![output.name.to_string()],
+        axes => axes.iter().map(|axis| [&output.name, ".", axis].concat()).collect(),
     }
 }
 

@@ -147,3 +147,24 @@ fn an_attitude_in_a_frame_that_turns_does_not_depend_on_time() {
     let told = program(&["modes", path.to_str().expect("a path")]).expect("modes");
     assert!(told.contains("equilibrium at"), "{told}");
 }
+
+/// A frame about z by 0.3 and about the turned x by 0.5, and a body that is turned by any quaternion.
+#[test]
+fn outputs_tell_quaternions_with_their_four_names() {
+    let run = case(
+        "name: Two\nparameters: {m: 1 kg}\ncoordinates: {q: rotation}
+frames: {A: {rotate: [[z, 0.3], [x, 0.5]]}, B: {rotate: q}}
+bodies: {b: {mass: m, inertia: [2, 3, 4], frame: B, position: [0, 0, 0]}}
+outputs: {fixed: quaternion(A), turned: quaternion(B)}
+scene: {start: {q: {quaternion: [-3, 0, 4, 0]}}, until: 1}\n",
+    )
+    .run();
+    let (z, x) = ((0.15_f64.sin(), 0.15_f64.cos()), (0.25_f64.sin(), 0.25_f64.cos()));
+    let expected = [("fixed", [z.1 * x.1, z.1 * x.0, z.0 * x.0, z.0 * x.1]), ("turned", [-0.6, 0.0, 0.8, 0.0])];
+    for (name, numbers) in expected {
+        for (axis, expected) in ["w", "x", "y", "z"].into_iter().zip(numbers) {
+            let found = run.last()[&*format!("{name}.{axis}")];
+            assert!((found - expected).abs() < 1e-15, "{name}.{axis}: {found}");
+        }
+    }
+}

@@ -3,6 +3,16 @@
 
 use super::{Graph, Id, Unary};
 
+/// What the components of a value of so many are called after a point: `w` before the others of a quaternion; nothing of a scalar.
+pub fn axes(components: usize) -> &'static [&'static str] {
+    match components {
+        0 | 1 => &[],
+        2 => &["x", "y"],
+        3 => &["x", "y", "z"],
+        _ => &["w", "x", "y", "z"],
+    }
+}
+
 /// a·b of vectors of equal size.
 pub fn dot(graph: &mut Graph, a: &[Id], b: &[Id]) -> Id {
     let mut sum = Id::ZERO;

@@ -40,6 +40,8 @@ impl Ast {
 
 /// What stands after the point in `c.friction`, the sliding of the contact c.
 pub const FRICTION: u8 = 3;
+/// The component `.w` of a quaternion.
+pub const SCALAR: u8 = 4;
 
 /// The forms of LANGUAGE section 1.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,7 +63,7 @@ pub enum AstKind {
     Binary(Operator, Box<Ast>, Box<Ast>),
     /// `[a, b]` or `[a, b, c]`.
     Vector(Vec<Ast>),
-    /// `e.x`, `e.y`, `e.z`: 0, 1 or 2; `c.friction`: [`FRICTION`].
+    /// `e.x`, `e.y`, `e.z`: 0, 1 or 2; `c.friction`: [`FRICTION`]; `quaternion(B).w`: [`SCALAR`].
     Component(Box<Ast>, u8),
     /// `f(a, b)` for every function but the ones below.
     Call {

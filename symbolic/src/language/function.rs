@@ -41,7 +41,7 @@ pub fn is_reserved(name: &str) -> bool {
 }
 
 /// Functions that came when models had things of these names: those keep them.
-const UNRESERVED: &[&str] = &["angles", "components", "momentum", "angular_momentum", "moment"];
+const UNRESERVED: &[&str] = &["angles", "components", "quaternion", "momentum", "angular_momentum", "moment"];
 
 /// Reserved names besides those of the functions.
 pub const RESERVED: &[&str] =
@@ -121,6 +121,7 @@ pub const FUNCTIONS: &[Function] = &[
     of("angular_velocity", 1, "of a body or frame: a scalar in the plane, a vector in space"),
     of("components", 2, "of a vector along the axes of a body or frame"),
     of("angles", 2, "of a body or frame in space, for a sequence of axes such as zxz"),
+    of("quaternion", 1, "[w, x, y, z] of length 1, of a body or frame in space"),
     of("momentum", 1, "of a body, or of `all`"),
     Function {
         name: "angular_momentum",

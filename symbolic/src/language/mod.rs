@@ -12,7 +12,7 @@ mod value;
 #[cfg(test)]
 mod tests;
 
-pub use ast::{Ast, AstKind, FRICTION, Key, KeyIndex, Operator, Range, Valued};
+pub use ast::{Ast, AstKind, FRICTION, Key, KeyIndex, Operator, Range, SCALAR, Valued};
 pub use function::{FUNCTIONS, Function, RESERVED, function, is_reserved, written_here};
 pub use key::parse_key;
 pub use parse::{DEEPEST, parse, parse_bounds, parse_equation};

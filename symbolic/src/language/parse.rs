@@ -3,7 +3,7 @@
 use super::cursor::{Parsed, Parser, Reported};
 use super::function::{function, is_reserved};
 use super::token::{Kind, Token, shorten};
-use super::{Ast, AstKind, FRICTION, Operator, Range, Span};
+use super::{Ast, AstKind, FRICTION, Operator, Range, SCALAR, Span};
 use crate::diagnose::{Problem, catalogue::syntax};
 
 /// Deepest nesting of parentheses, calls, powers and signs; how many terms a sum has does not count.
@@ -194,6 +194,7 @@ impl<'a> Parser<'a> {
             "y" => 1,
             "z" => 2,
             "friction" => FRICTION,
+            "w" if matches!(&of.ast.kind, AstKind::Call { function, .. } if function == "quaternion") => SCALAR,
             text if name.kind == Kind::Name => {
                 let problem = syntax::unknown_component(name.span.place(), shorten(text));
                 return self.report(problem);

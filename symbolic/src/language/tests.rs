@@ -24,7 +24,9 @@ fn show(ast: &Ast) -> String {
             format!("({}{sign}{})", show(a), show(b))
         }
         AstKind::Vector(items) => format!("[{}]", list(items)),
-        AstKind::Component(e, which) => format!("{}.{}", show(e), ["x", "y", "z", "friction"][usize::from(*which)]),
+        AstKind::Component(e, which) => {
+            format!("{}.{}", show(e), ["x", "y", "z", "friction", "w"][usize::from(*which)])
+        }
         AstKind::Call { function, arguments, .. } => format!("{function}({})", list(arguments)),
         AstKind::Sum(e, ranges) => {
             format!("sum({}, {})", show(e), ranges.iter().map(range).collect::<Vec<_>>().join(", "))

@@ -31,6 +31,42 @@ pub struct Stage {
     pub rate: [Id; 3],
     /// The rotation that it is, by its place; none of other turns.
     pub rotation: Option<usize>,
+    /// What it was made from.
+    pub given: Given,
+}
+
+/// How a turn is given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Given {
+    /// About a direction of length 1 along the old axes, by an angle.
+    About([Id; 3], Id),
+    /// By a quaternion of any length but 0.
+    By(Quaternion),
+}
+
+impl Given {
+    fn ids(&self) -> impl Iterator<Item = Id> + '_ {
+        let (first, second) = match self {
+            Given::About(axis, angle) => (axis.as_slice(), std::slice::from_ref(angle)),
+            Given::By(q) => (q.0.as_slice(), &[][..]),
+        };
+        first.iter().chain(second).copied()
+    }
+
+    fn map(&self, f: &mut impl FnMut(Id) -> Id) -> Given {
+        match self {
+            Given::About(axis, angle) => Given::About(axis.map(&mut *f), f(*angle)),
+            Given::By(q) => Given::By(Quaternion(q.0.map(f))),
+        }
+    }
+
+    /// As a quaternion of length 1.
+    fn quaternion(&self, graph: &mut Graph) -> Quaternion {
+        match self {
+            Given::About(axis, angle) => Quaternion::of_turn(graph, *axis, *angle),
+            Given::By(q) => q.unit(graph),
+        }
+    }
 }
 
 impl Stage {
@@ -47,14 +83,14 @@ impl Stage {
 
     /// All its expressions, in an order that [`Stage::map`] keeps.
     pub fn ids(&self) -> impl Iterator<Item = Id> + '_ {
-        self.columns.iter().flatten().chain(&self.rate).copied()
+        self.columns.iter().flatten().chain(&self.rate).copied().chain(self.given.ids())
     }
 
     /// With every expression replaced.
     #[must_use]
     pub fn map(&self, f: &mut impl FnMut(Id) -> Id) -> Stage {
         let columns = self.columns.map(|column| column.map(&mut *f));
-        Stage { columns, rate: self.rate.map(f), ..*self }
+        Stage { columns, rate: self.rate.map(&mut *f), given: self.given.map(f), ..*self }
     }
 }
 
@@ -65,6 +101,7 @@ pub const UNTURNED: [[Id; 3]; 3] =
 /// A turn about one axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Turn {
+    angle: Id,
     rate: Id,
     sine: Id,
     cosine: Id,
@@ -73,7 +110,7 @@ pub struct Turn {
 impl Turn {
     /// By an angle that grows at a rate.
     pub fn by(graph: &mut Graph, angle: Id, rate: Id) -> Turn {
-        Turn { rate, sine: graph.unary(Unary::Sin, angle), cosine: graph.unary(Unary::Cos, angle) }
+        Turn { angle, rate, sine: graph.unary(Unary::Sin, angle), cosine: graph.unary(Unary::Cos, angle) }
     }
 }
 
@@ -96,7 +133,7 @@ impl Orientation {
     /// Along the new axes the angular velocity has the old components turned back, and the rate of the angle along k.
     pub fn turned(&self, graph: &mut Graph, k: usize, turn: Turn) -> Orientation {
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        let Turn { rate, sine, cosine } = turn;
+        let Turn { angle, rate, sine, cosine } = turn;
         let mut mixed = |a: Id, b: Id| {
             let (ca, sb) = (graph.mul(cosine, a), graph.mul(sine, b));
             let (cb, sa) = (graph.mul(cosine, b), graph.mul(sine, a));
@@ -109,7 +146,8 @@ impl Orientation {
         (new.own_velocity[i], new.own_velocity[j]) = mixed(self.own_velocity[i], self.own_velocity[j]);
         new.own_velocity[k] = graph.add(self.own_velocity[k], rate);
         new.spun(graph, rate, &self.axes[k]);
-        let mut stage = Stage { columns: UNTURNED, rate: [Id::ZERO; 3], rotation: None };
+        let given = Given::About(UNTURNED[k], angle);
+        let mut stage = Stage { columns: UNTURNED, rate: [Id::ZERO; 3], rotation: None, given };
         (stage.columns[i][i], stage.columns[i][j]) = (cosine, sine);
         (stage.columns[j][i], stage.columns[j][j]) = (graph.neg(sine), cosine);
         stage.rate[k] = rate;
@@ -120,7 +158,7 @@ impl Orientation {
     /// Turned further about a direction n fixed in it, given by its components along its own axes, of length 1, by Rodrigues' formula:
     /// e → cos e + sin n × e + (1 − cos) (n·e) n.
     pub fn turned_about(&self, graph: &mut Graph, n: [Id; 3], turn: Turn) -> Orientation {
-        let Turn { rate, sine, cosine } = turn;
+        let Turn { angle, rate, sine, cosine } = turn;
         let rest = graph.sub(Id::ONE, cosine);
         let columns: [[Id; 3]; 3] = std::array::from_fn(|k| {
             let e: [Id; 3] = std::array::from_fn(|i| if i == k { Id::ONE } else { Id::ZERO });
@@ -142,8 +180,18 @@ impl Orientation {
         });
         let mut new = Orientation { axes, own_velocity, ..self.clone() };
         new.spun(graph, rate, &axis);
-        new.stages.push(Stage { columns, rate: n.map(|component| graph.mul(rate, component)), rotation: None });
+        let rate = n.map(|component| graph.mul(rate, component));
+        new.stages.push(Stage { columns, rate, rotation: None, given: Given::About(n, angle) });
         new
+    }
+
+    /// The quaternion of length 1 that turns the ground to it: the product of those of its turns, so that it changes continuously along
+    /// every motion.
+    pub fn quaternion(&self, graph: &mut Graph) -> Quaternion {
+        self.stages.iter().fold(Quaternion::ONE, |q, stage| {
+            let further = stage.given.quaternion(graph);
+            q.times(graph, further)
+        })
     }
 
     fn spun(&mut self, graph: &mut Graph, rate: Id, axis: &[Id; 3]) {
@@ -393,7 +441,7 @@ impl Orientation {
         });
         let velocity = std::array::from_fn(|m| graph.add(self.velocity[m], outer[m]));
         let mut stages = self.stages.clone();
-        stages.push(Stage { columns, rate: own, rotation: None });
+        stages.push(Stage { columns, rate: own, rotation: None, given: Given::By(q) });
         Orientation {
             axes,
             own_velocity,

@@ -119,3 +119,32 @@ fn angles_are_those_of_the_sequence() {
     assert_eq!(codes(&with(&text, "angles(Fxyz, xyz)", "angles(Fxyz, xyy)")), ["E208"]);
     assert_eq!(codes(&with(&text, "angles(Fxyz, xyz)", "angles(Fxyz, xzy)")).first(), Some(&"E502"));
 }
+
+/// The product of half-angle quaternions, of length 1, turns the ground's axes to the frame's; it is -q, the same attitude, after a whole turn.
+#[test]
+fn quaternions_are_those_of_the_turns() {
+    let text = with(
+        BODY,
+        "frames: {",
+        "frames: {A: {rotate: [[z, phi], [x, 0.5]]}, C: {from: B, rotate: [[x, pi/2], [\"[0.6, 0, 0.8]\", phi]]}, ",
+    );
+    let text = with(&text, "coordinates: {", "coordinates: {phi: rad, ");
+    let text =
+        with(&text, "{body: {", "{wheel: {mass: m, inertia: [I1, I2, I3], frame: A, position: [0, 0, 0]}, body: {");
+    let text = with(&text, "of: [body]}}", "of: [body]}}, {moment: {about: foot, of: [wheel], along: ground.z}}");
+    let text = with(&text, "conserved: {energy: energy, vertical: \"dot(angular_momentum(foot), ground.z)\"}", "checks:
+  length: \"dot(quaternion(C), quaternion(C)) = 1\"
+  across: \"C.x = [1 - 2*(quaternion(C).y^2 + quaternion(C).z^2), 2*(quaternion(C).x*quaternion(C).y + quaternion(C).w*quaternion(C).z), 2*(quaternion(C).x*quaternion(C).z - quaternion(C).w*quaternion(C).y)]\"
+  w: \"quaternion(A).w = cos(phi/2)*cos(0.25)\"
+  x: \"quaternion(A).x = cos(phi/2)*sin(0.25)\"
+  y: \"quaternion(A).y = sin(phi/2)*sin(0.25)\"
+  z: \"quaternion(A).z = sin(phi/2)*cos(0.25)\"
+  ground: \"quaternion(ground).w = 1\"");
+    accepted(&text);
+    let wrong = |check: &str| codes(&with(&text, "quaternion(ground).w = 1", check));
+    assert_eq!(wrong("quaternion(wheel).w = cos(phi)*cos(0.25)"), ["E502"]);
+    for mistake in ["quaternion(A) = [0, 0, 0]", "dot(quaternion(A), A.x) = 0", "cross(quaternion(A), A.x) = 0"] {
+        assert_eq!(wrong(mistake), ["E209"], "{mistake}");
+    }
+    assert_eq!(codes(&with(BODY, "position: l*B.z", "position: quaternion(B)")), ["E228"]);
+}

@@ -220,6 +220,10 @@ impl ExprBuilder {
     ) -> Option<Vec<Id>> {
         let place = Place::clone(written.place());
         match self.written(scope, written, rules, locals) {
+            Value::Vector(v) if v.len() != scope.dimension => {
+                self.problems.push(names::vector_size(place, scope.dimension, v.len()));
+                None
+            }
             Value::Vector(v) => {
                 let (words, bare) = match written {
                     Written::One(text) => (text.source.to_string(), stands_alone(text, locals)),

@@ -35,6 +35,11 @@ impl ExprBuilder {
                 self.problems.push(names::mixed_kinds(place, "=", left.describe(), right.describe()));
                 None
             }
+            (Value::Vector(a), Value::Vector(b)) if a.len() != b.len() => {
+                let place = text.place.at(text.ast.span);
+                self.problems.push(names::vector_size(place, a.len(), b.len()));
+                None
+            }
             _ => Some((left, right)),
         }
     }

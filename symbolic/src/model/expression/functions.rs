@@ -55,6 +55,7 @@ impl Lower<'_> {
             ("velocity" | "acceleration", [body, point]) => self.material(name, body, point, span),
             ("angular_velocity", [body]) => self.angular_velocity(body),
             ("angles", [frame, sequence]) => self.angles(frame, sequence),
+            ("quaternion", [frame]) => self.quaternion(frame),
             ("components", [vector, frame]) => self.components(vector, frame),
             ("momentum", [of]) => self.momentum(of),
             ("angular_momentum", [of]) => self.angular_momentum(of, None),
@@ -185,6 +186,11 @@ impl Lower<'_> {
     /// A vector; `None` when it is none (reported) or poisoned.
     pub(super) fn vector_argument(&mut self, function: &str, argument: &Ast) -> Option<Vec<Id>> {
         match self.expression(argument) {
+            Value::Vector(v) if v.len() != self.scope.dimension && !matches!(function, "dot" | "norm" | "unit") => {
+                let place = self.place(argument.span);
+                self.refuse(names::vector_size(place, self.scope.dimension, v.len()));
+                None
+            }
             Value::Vector(v) => Some(v),
             Value::Nothing => Some(vec![Id::ZERO; self.scope.dimension]),
             Value::Poison | Value::Orientation(_) => None,
@@ -207,6 +213,10 @@ impl Lower<'_> {
         let vectors: Vec<Option<Vec<Id>>> = arguments.iter().map(|a| self.vector_argument(name, a)).collect();
         let graph = &mut self.builder.graph;
         match (name, vectors.as_slice()) {
+            ("dot", [Some(a), Some(b)]) if a.len() != b.len() => {
+                let place = self.place(arguments[1].span);
+                self.refuse(names::vector_size(place, a.len(), b.len()))
+            }
             ("dot", [Some(a), Some(b)]) => Value::Scalar(vectors::dot(graph, a, b)),
             ("norm", [Some(a)]) => Value::Scalar(vectors::norm(graph, a)),
             ("unit", [Some(a)]) => Value::Vector(vectors::unit(graph, a)),
@@ -217,12 +227,16 @@ impl Lower<'_> {
     /// `cross` of two vectors, or in the plane of an angular velocity and a vector.
     fn cross(&mut self, a: &Ast, b: &Ast) -> Value {
         let (left, right) = (self.expression(a), self.expression(b));
+        let place = self.place(b.span);
         let plane = self.scope.dimension == 2;
         let graph = &mut self.builder.graph;
         match (&left, &right) {
             (Value::Poison, _) | (_, Value::Poison) => Value::Poison,
             (Value::Nothing, _) | (_, Value::Nothing) => Value::Nothing,
             (Value::Vector(a), Value::Vector(b)) if plane => Value::Scalar(vectors::cross_plane(graph, a, b)),
+            (Value::Vector(a), Value::Vector(b)) if a.len() != 3 || b.len() != 3 => {
+                self.refuse(names::vector_size(place, 3, a.len().max(b.len())))
+            }
             (Value::Vector(a), Value::Vector(b)) => Value::Vector(vectors::cross_space(graph, a, b)),
             (Value::Scalar(w), Value::Vector(r)) if plane => Value::Vector(vectors::turn(graph, *w, r)),
             (Value::Vector(r), Value::Scalar(w)) if plane => {

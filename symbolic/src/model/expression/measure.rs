@@ -173,7 +173,7 @@ impl Lower<'_> {
             ("reaction", [constraint]) => self.measure_of_reaction(constraint),
             ("moment", [_]) => self.measure_of_work(),
             ("angular_velocity", _) => self.rate_of(Measure::ONE, 1),
-            ("angles", _) => Measure::ONE,
+            ("angles" | "quaternion", _) => Measure::ONE,
             ("components", [vector, _]) => self.measure(vector),
             ("momentum", _) => self.measure_of_momentum(false),
             ("angular_momentum", _) => self.measure_of_momentum(true),

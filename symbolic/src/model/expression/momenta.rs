@@ -7,6 +7,7 @@ use super::value::Value;
 use crate::diagnose::catalogue::names;
 use crate::expr::{Binary, Id, Unary, vectors};
 use crate::language::{Ast, AstKind};
+use crate::model::rotation::Quaternion;
 
 impl Lower<'_> {
     /// `components(v, B)` = [v·B.x, v·B.y, v·B.z].
@@ -67,6 +68,26 @@ impl Lower<'_> {
         let (x, y) = (turned_back(j), turned_back(3 - j - k));
         let y = if (k + 1) % 3 == j { graph.neg(y) } else { y };
         Value::Vector(vec![first, middle, graph.binary(Binary::Atan2, y, x)])
+    }
+
+    /// `quaternion(B)` = [w, x, y, z] of length 1: how a frame in space is turned against the ground.
+    pub(super) fn quaternion(&mut self, frame: &Ast) -> Value {
+        if !self.rules.energy || self.scope.dimension == 2 {
+            return self.refuse(names::wrong_place(self.place(frame.span), "quaternion", self.rules.what));
+        }
+        let Some(solid) = self.solid_argument("quaternion", frame, "a body or frame") else { return Value::Poison };
+        // A particle, which has no axes, is refused here.
+        let Value::Vector(_) = self.unit_vector(solid, "", 0, frame.span) else { return Value::Poison };
+        let item = match solid {
+            Solid::Ground => None,
+            Solid::Frame(item) => Some(item),
+            Solid::Body(body) => self.scope.bodies[body].orientation,
+        };
+        match item.map(|item| self.item(item)) {
+            None => Value::Vector(Quaternion::ONE.0.to_vec()),
+            Some(Value::Orientation(frame)) => Value::Vector(frame.quaternion(&mut self.builder.graph).0.to_vec()),
+            Some(_) => Value::Poison,
+        }
     }
 
     fn not_a_sequence(&mut self, sequence: &Ast) -> Value {

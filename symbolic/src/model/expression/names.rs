@@ -6,7 +6,7 @@ use super::scope::{Entry, Member, Section, expanded};
 use super::value::Value;
 use crate::diagnose::catalogue::{names, states};
 use crate::expr::{DoubleDouble, Id, Symbol, Unary};
-use crate::language::{Ast, AstKind, Span};
+use crate::language::{Ast, AstKind, SCALAR, Span};
 
 /// Something that turns, or stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -216,7 +216,7 @@ impl Lower<'_> {
     /// `e.x`: a unit vector after a frame or a body with an orientation, else a component.
     pub(super) fn component(&mut self, of: &Ast, axis: u8, span: Span) -> Value {
         let letter = ["x", "y", "z"][usize::from(axis.min(2))];
-        if usize::from(axis) >= self.scope.dimension {
+        if axis != SCALAR && usize::from(axis) >= self.scope.dimension {
             return self.refuse(names::no_such_component(self.place(span), letter));
         }
         if let AstKind::Name { name, indices, .. } = &of.kind
@@ -227,7 +227,14 @@ impl Lower<'_> {
             return self.admit(value, span);
         }
         match self.expression(of) {
-            Value::Vector(v) => v.get(usize::from(axis)).map_or(Value::Poison, |x| Value::Scalar(*x)),
+            Value::Vector(v) => {
+                let is_quaternion = v.len() == 4;
+                let place = match axis {
+                    SCALAR => 0,
+                    _ => usize::from(axis) + usize::from(is_quaternion),
+                };
+                v.get(place).map_or(Value::Poison, |x| Value::Scalar(*x))
+            }
             Value::Nothing => Value::Scalar(Id::ZERO),
             Value::Poison | Value::Orientation(_) => Value::Poison,
             found @ Value::Scalar(_) => {

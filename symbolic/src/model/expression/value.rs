@@ -23,6 +23,7 @@ impl Value {
     pub fn describe(&self) -> &'static str {
         match self {
             Value::Vector(v) if v.len() == 2 => "a vector of two components",
+            Value::Vector(v) if v.len() == 4 => "a quaternion",
             Value::Vector(_) => "a vector of three components",
             Value::Orientation(_) => "a frame",
             Value::Scalar(_) | Value::Nothing | Value::Poison => "a number",

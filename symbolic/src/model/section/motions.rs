@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::closes::BETWEEN_SAYS;
 use crate::diagnose::catalogue::{mechanics, names, sections};
 use crate::diagnose::{Place, did_you_mean_or};
+use crate::expr::vectors::axes;
 use crate::expr::{Id, Symbol};
 use crate::file::{Node, Spot};
 use crate::model::expression::dimension::{Dimension, Measure};
@@ -278,7 +279,7 @@ impl Resolver<'_> {
     /// A coordinate, a rate, an output, or a component of an output, `tip.y`.
     fn observed(&mut self, words: &str, place: &Place) -> Option<(Observed, Expanded)> {
         let (base, component) = match words.trim().rsplit_once('.') {
-            Some((base, axis @ ("x" | "y" | "z"))) => (base, Some(axis)),
+            Some((base, axis @ ("w" | "x" | "y" | "z"))) => (base, Some(axis)),
             _ => (words, None),
         };
         let at = Spot { node: &Node::Null, place: place.clone(), name: String::new() };
@@ -308,13 +309,13 @@ impl Resolver<'_> {
             return None;
         };
         let count = output.value.len();
-        let axis = component.map(|axis| ["x", "y", "z"].into_iter().position(|known| known == axis).unwrap_or(0));
+        let axis = component.map(|axis| axes(count).iter().position(|known| *known == axis).unwrap_or(count));
         let unit = self.watched.get(&name).and_then(|list| list.iter().flatten().next()).map(|watched| watched.unit);
         let unit = unit.unwrap_or_default();
         match (axis, count) {
             (None, 1) => Some((Observed { name, unit, words: None }, member)),
             (Some(axis), 2..) if axis < count => {
-                Some((Observed { name: format!("{name}.{}", ["x", "y", "z"][axis]), unit, words: None }, member))
+                Some((Observed { name: format!("{name}.{}", axes(count)[axis]), unit, words: None }, member))
             }
             (Some(_), _) => {
                 self.builder.problems.push(names::unknown_name(

@@ -6,6 +6,7 @@ use super::Printing;
 use super::dialect::{comment, float, identifier, string, taken};
 use super::function::{documented, unread};
 use crate::derive::SwitchKind;
+use crate::expr::vectors::axes;
 use crate::lower::direction_size;
 use crate::model::{EventAction, Target, Trigger, field_name, text};
 use crate::print::body::Use;
@@ -36,8 +37,7 @@ fn in_si(unit: &Option<String>) -> String {
 fn components(name: &str, count: usize) -> impl Iterator<Item = String> + '_ {
     (0..count).map(move |k| match count {
         1 => name.to_owned(),
-        2 | 3 => format!("{name}.{}", ["x", "y", "z"][k]),
-        _ => format!("{name}.{}", k + 1),
+        _ => format!("{name}.{}", axes(count)[k]),
     })
 }
 

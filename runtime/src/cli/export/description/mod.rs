@@ -6,6 +6,7 @@ mod fmi3;
 use std::collections::{BTreeSet, HashSet};
 use std::ops::Range;
 
+use dalembert_symbolic::expr::vectors::axes;
 use dalembert_symbolic::language::parse_unit;
 use dalembert_symbolic::lower::Program;
 use dalembert_symbolic::model::Model;
@@ -250,11 +251,7 @@ fn variables(program: &Program, at: &References, start: &Start) -> Vec<Variable>
 fn output_names(model: &Model) -> impl Iterator<Item = (String, &Option<String>)> {
     model.outputs.iter().flat_map(|o| {
         let axis = |k: usize| {
-            if o.value.len() == 1 {
-                String::new()
-            } else {
-                format!(".{}", ["x", "y", "z"].get(k).map_or((k + 1).to_string(), |axis| (*axis).to_owned()))
-            }
+            if o.value.len() == 1 { String::new() } else { format!(".{}", axes(o.value.len())[k]) }
         };
         (0..o.value.len()).map(move |k| (format!("{}{}", o.name, axis(k)), &o.unit))
     })
