@@ -528,6 +528,9 @@ impl Recorder {
             }
             self.run.warn_of_drift(limit);
         }
+        if let Some(gimbals) = self.gimbals.take() {
+            gimbals.warnings(system).for_each(|warning| self.warn(warning));
+        }
         self.run.balances = self.condition.map(ConditionMonitor::found);
         self.run.junctions = self.junctions.map(|junctions| junctions.list).unwrap_or_default();
         self.run.memory = system.memory().to_vec();

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use nalgebra::DMatrix;
 
+use super::warning::Warning;
 use crate::cause::{Cause, GimbalLock};
 use crate::mechanism::dense::{constraint_matrix, mass_matrix};
 use crate::mechanism::{At, Gimbal, System, rows_in_force};
@@ -18,6 +19,10 @@ const TAKES_PART: f64 = 1e-3;
 const UNTOLD: f64 = 10.0;
 /// The sine of the angle from the lock, within which a run that fails has failed by it.
 const BESIDE: f64 = 1e-3;
+/// The sine within which a motion passes near a lock (1.1 degrees), and how many times shorter than elsewhere steps are there where that
+/// is worth a warning: with moderate steps a lock nearby does no harm.
+const NEAR: f64 = 0.02;
+const SHORTER: f64 = 10.0;
 
 /// Watches the product of the axes of each three angles that turn a frame one after the other.
 ///
@@ -30,6 +35,23 @@ pub(crate) struct GimbalGuard {
     t: f64,
     /// Below it a sine is not told from 0.
     least: f64,
+    /// What was seen near the lock of each sequence; nothing before it came near.
+    approaches: Vec<Option<Approach>>,
+    /// How many steps there were, and how long the longest was, s.
+    steps: u64,
+    longest: f64,
+}
+
+/// How a motion passes near a lock.
+#[derive(Clone, Debug)]
+struct Approach {
+    /// When it was nearest, s, the state [q; q'] then, and the smallest sine.
+    t: f64,
+    y: Vec<f64>,
+    sine: f64,
+    /// How many steps ended near it, and how long the shortest was, s.
+    steps: u64,
+    shortest: f64,
 }
 
 /// The argument of the sine that the product of the axes is a multiple of.
@@ -49,7 +71,9 @@ impl GimbalGuard {
     pub fn new<S: System + ?Sized>(system: &S, t: f64, y: &[f64], tolerance: Option<f64>) -> Option<Self> {
         let gimbals = system.gimbals();
         let arguments = gimbals.iter().map(|gimbal| argument(gimbal, y)).collect();
-        (!gimbals.is_empty()).then(|| GimbalGuard { arguments, t, least: UNTOLD * tolerance.unwrap_or(0.0) })
+        let (least, approaches) = (UNTOLD * tolerance.unwrap_or(0.0), vec![None; gimbals.len()]);
+        let guard = GimbalGuard { arguments, t, least, approaches, steps: 0, longest: 0.0 };
+        (!gimbals.is_empty()).then_some(guard)
     }
 
     /// Begins anew after the state was changed.
@@ -63,11 +87,15 @@ impl GimbalGuard {
     /// Looks at the end of a step; tells if the motion came to a lock on the way.
     pub fn observe<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) -> Option<Cause> {
         let before = std::mem::replace(&mut self.t, t);
-        for (last, gimbal) in self.arguments.iter_mut().zip(system.gimbals()) {
+        (self.steps, self.longest) = (self.steps + 1, self.longest.max(t - before));
+        for ((last, seen), gimbal) in self.arguments.iter_mut().zip(&mut self.approaches).zip(system.gimbals()) {
             let now = argument(gimbal, y);
             let earlier = std::mem::replace(last, now);
             let crossed = passed(earlier, now);
             let sine = now.sin();
+            if sine.abs() < NEAR {
+                seen.get_or_insert_with(|| Approach::before(t)).observe(t - before, (t, y), sine.abs());
+            }
             if crossed.is_none() && sine.abs() > self.least {
                 continue;
             }
@@ -81,6 +109,34 @@ impl GimbalGuard {
             return Some(Cause::GimbalLock { lock, t: reached });
         }
         None
+    }
+
+    /// Warns of each lock that the motion passed so near that its steps became short.
+    pub fn warnings<'a, S: System + ?Sized>(&'a self, system: &'a S) -> impl Iterator<Item = Warning> + 'a {
+        let seen = self.approaches.iter().zip(system.gimbals());
+        seen.filter_map(|(seen, gimbal)| {
+            let Approach { t, y, sine, steps, shortest } = seen.as_ref()?;
+            let lock = (SHORTER * shortest < self.longest).then(|| nearest_lock(system, gimbal, *t, y))??;
+            let part = *steps as f64 / self.steps as f64;
+            Some(Warning::NearGimbalLock { lock, t: *t, angle: sine.asin() / gimbal.factor.abs(), part })
+        })
+    }
+}
+
+impl Approach {
+    /// Nothing was seen yet.
+    fn before(t: f64) -> Approach {
+        Approach { t, y: Vec::new(), sine: f64::INFINITY, steps: 0, shortest: f64::INFINITY }
+    }
+
+    /// Looks at the end of a step of this length.
+    fn observe(&mut self, step: f64, (t, y): (f64, &[f64]), sine: f64) {
+        (self.steps, self.shortest) = (self.steps + 1, self.shortest.min(step));
+        if sine < self.sine {
+            (self.t, self.sine) = (t, sine);
+            self.y.clear();
+            self.y.extend_from_slice(y);
+        }
     }
 }
 

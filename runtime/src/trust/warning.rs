@@ -3,6 +3,7 @@
 use std::fmt;
 use std::mem;
 
+use crate::cause::GimbalLock;
 use crate::mechanism::Method;
 use crate::numbers::{counted, short};
 
@@ -79,6 +80,17 @@ pub enum Warning {
     SingularPassed {
         /// When, s.
         t: f64,
+    },
+    /// The motion passed a gimbal lock so near that its steps became short: small errors of the state there are large ones of the angles.
+    NearGimbalLock {
+        /// The lock.
+        lock: GimbalLock,
+        /// When it was nearest, s.
+        t: f64,
+        /// How far the middle angle was from the lock then, rad.
+        angle: f64,
+        /// Which part of all steps was taken near it.
+        part: f64,
     },
     /// Steps over contacts were taken in which impulses still changed from round to round.
     UnsettledImpulses {
@@ -270,12 +282,12 @@ impl fmt::Display for Loss {
 }
 
 impl Warning {
-    /// True when the other warning says the same, with other numbers; of events and integrals, of the same one.
+    /// True when the other warning says the same, with other numbers; of events, integrals and frames, of the same one.
     pub fn same_kind(&self, other: &Warning) -> bool {
         mem::discriminant(self) == mem::discriminant(other) && self.event() == other.event()
     }
 
-    /// The event, or the integral, of which it speaks.
+    /// The event, the integral or the frame of which it speaks.
     fn event(&self) -> Option<&str> {
         match self {
             Warning::Touch { event, .. }
@@ -283,6 +295,7 @@ impl Warning {
             | Warning::Undefined { event, .. }
             | Warning::PastAtStart { event } => Some(event),
             Warning::IntegralUntried { integral, .. } => Some(integral),
+            Warning::NearGimbalLock { lock, .. } => Some(&lock.frame),
             _ => None,
         }
     }
@@ -345,6 +358,12 @@ impl fmt::Display for Warning {
                 "the motion passed a singular position at t = {} s, where its constraints depend on each other; it kept \
                  the branch that continues its speeds",
                 short(*t)
+            ),
+            Warning::NearGimbalLock { lock, t, angle, part } => write!(
+                f,
+                "the motion passes within {angle:.1e} rad of a gimbal lock at t = {} s, where {:.0} % of all steps are taken: {lock}",
+                short(*t),
+                100.0 * part
             ),
             Warning::UnsettledImpulses { t, steps, residual } => write!(
                 f,

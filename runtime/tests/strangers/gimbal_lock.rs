@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use dalembert::linear::{Guess, LinearError, linearise, linearise_constrained};
 use dalembert::mechanism::Method;
-use dalembert::{Cause, Error, GimbalLock};
+use dalembert::{Cause, Error, GimbalLock, Warning};
 
 use super::{Case, case, program, stranger, text_of};
 
@@ -201,4 +201,40 @@ fn angles_at_their_lock_turn_the_body() {
     }
     let [_, _, [a, b, c]] = of("[[z, 0.4], [y, pi/2], [x, 0.3]]");
     assert!(same(c - a, -0.1) && (b - FRAC_PI_2).abs() < 1e-7, "{a}, {b}, {c}");
+}
+
+/// A body that tumbles past the place where its angles lock, 3e-5 of its spin about the line of that place.  By a rotation it passes nothing.
+#[test]
+fn a_motion_beside_a_lock_is_warned_of() {
+    let angles = "name: Beside\nparameters: {m: 1 kg}\ncoordinates: {a: rad, b: rad, c: rad}
+frames: {B: {rotate: [[z, a], [x, b], [z, c]]}}
+bodies: {o: {mass: m, inertia: [0.2, 0.3, 0.4], frame: B, position: [0, 0, 0]}}
+outputs: {bx: B.x}
+scene: {start: {b: 0.5, b': -1, a': 3e-05, c': -3e-05}, until: 2, tolerance: 1e-9}\n";
+    let rotation = angles
+        .replace("{a: rad, b: rad, c: rad}", "{q: rotation}")
+        .replace("[[z, a], [x, b], [z, c]]", "q")
+        .replace(
+            "{b: 0.5, b': -1, a': 3e-05, c': -3e-05}",
+            "{q: [[z, 0], [x, 0.5], [z, 0]], q': {angles: [3e-5, -1, -3e-5]}}",
+        )
+        .replace("1e-9", "1e-13");
+    let mut beside = case(angles);
+    let (run, exact) = (beside.run(), case(&rotation).run());
+    let near = run.warnings.iter().find_map(|warning| match warning {
+        Warning::NearGimbalLock { lock, t, angle, part } => Some((lock.clone(), *t, *angle, *part)),
+        _ => None,
+    });
+    let (lock, t, angle, part) = near.expect("a warning");
+    assert_eq!(lock, named("B", ["a", "b", "c"]));
+    // b falls from 0.5 at the rate 1; what turns about the line of nodes keeps it from 0.
+    assert!((t - 0.5).abs() < 1e-3 && angle > 0.0 && angle < 1e-4 && part > 0.3 && part <= 1.0, "{t} {angle} {part}");
+    assert!(!exact.warnings.iter().any(|warning| matches!(warning, Warning::NearGimbalLock { .. })));
+    // With moderate steps a lock nearby does no harm: a top that nutates in 0.1 rad about the vertical.
+    let quiet = case(&angles.replace("b: 0.5, b': -1, a': 3e-05, c': -3e-05", "b: 0.015, a': 1, c': 1")).run();
+    assert!(
+        !quiet.warnings.iter().any(|warning| matches!(warning, Warning::NearGimbalLock { .. })),
+        "{:?}",
+        quiet.warnings
+    );
 }
