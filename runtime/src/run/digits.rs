@@ -130,9 +130,8 @@ impl Digits {
         self.rows.iter_mut().for_each(|bound| *bound *= factor);
     }
 
-    /// Raises bounds to this part of what each column goes through: where errors follow the tolerance by chance only, none is
-    /// known to be less.
-    pub(crate) fn tolerance_floor(&mut self, run: &Run, least: f64) {
+    /// Raises bounds to this part of what each column goes through, where none is known to be less.
+    pub(crate) fn part_floor(&mut self, run: &Run, least: f64) {
         let mut ranges = self.ranges.clone();
         ranges.iter_mut().zip(&run.swept).for_each(|(range, swept)| *range = range.max(*swept));
         for (bound, range) in self.rows.iter_mut().zip(ranges.iter().cycle()) {

@@ -46,6 +46,9 @@ const BUMPY: f64 = 0.1;
 const BY_CHANCE: f64 = 3.5;
 /// So many times where functions of the motion happen locally, whose errors come in single steps.
 const LOCALLY: f64 = 1.15;
+/// An energy that should stay and is off by a part of its scale has speeds that are off by half of it, as energies go with their squares: where
+/// steps follow a tolerance no error is known to be less.  What is dissipated takes its errors along.
+const BY_ENERGY: f64 = 0.5;
 /// A second run with more than this part of the steps of the first has the same ones, but for some.
 const SHARED: f64 = 0.75;
 /// Where its steps are shorter, bounds are so many times what they differ by elsewhere: the error of a method of order 1 is twice that.
@@ -103,9 +106,7 @@ pub(crate) fn estimate_global_error(
     } else if is_local(system) {
         digits.inflate(LOCALLY);
     }
-    if let Some(tolerance) = run.tolerance.filter(|_| cut) {
-        digits.tolerance_floor(run, tolerance);
-    }
+    digits.part_floor(run, known_to(system, run, cut));
     digits.frequency_error(run, detuning(system, run));
     widen_flat_events(system, run, &mut digits);
     let passes_over = run.warnings.iter().any(|warning| matches!(warning, Warning::PassedOver { .. }));
@@ -129,6 +130,15 @@ pub(crate) fn estimate_global_error(
         run.warnings.push(Warning::DigitsLost { t, column, why });
     }
     run.digits = Some(digits);
+}
+
+/// To which part of what each number goes through a run is known at best.
+fn known_to(system: &dyn System, run: &Run, cut: bool) -> f64 {
+    let Some(tolerance) = run.tolerance else { return 0.0 };
+    // Where a run is cut its errors follow the tolerance by chance only.
+    let by_chance = if cut { tolerance } else { 0.0 };
+    let drift = run.energy_balance.filter(|_| system.description().structure.conservative);
+    by_chance.max(BY_ENERGY * drift.unwrap_or(0.0))
 }
 
 /// The largest eigenvalue of the system linearised at the start, 1/s; 0 where it cannot be had.
