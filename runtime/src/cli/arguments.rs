@@ -462,7 +462,9 @@ fn picture(name: &'static str, help: &str) -> Arg {
 
 /// What moves.
 fn animation(help: &str) -> Arg {
-    value("animate", "FILE.html", "").help(format!("{help}; a picture that moves where FILE ends in .png or .gif"))
+    value("animate", "FILE.html", "").help(format!(
+        "{help}; a picture that moves where FILE ends in .png or .gif, its first frame where it ends in .svg"
+    ))
 }
 
 fn many(name: &'static str, placeholder: &'static str, help: &'static str) -> Arg {

@@ -8,7 +8,7 @@ use clap::ArgMatches;
 
 use super::Problem;
 use crate::Error;
-use crate::show::{Animation, Figure, Playback, is_picture, wants_letters};
+use crate::show::{Animation, Figure, Playback, is_film, is_picture, wants_letters};
 
 /// Refuses paths that cannot be written, that are the model file, or that two options share.
 ///
@@ -94,7 +94,7 @@ pub fn draw(path: &str, picture: impl Into<Figure>) -> Result<(), Problem> {
 /// [`Problem::File`].
 pub fn animate(path: &str, animation: &Animation) -> Result<Option<Playback>, Problem> {
     animation.write(path).map_err(|problem| Problem::File(problem.to_string()))?;
-    Ok(is_picture(Path::new(path)).then(|| animation.playback()))
+    Ok(is_film(Path::new(path)).then(|| animation.playback()))
 }
 
 /// Refuses a chart in a format that it is not drawn in, or that the program was built without.
@@ -110,7 +110,7 @@ pub fn drawable(path: &str) -> Result<(), Problem> {
 /// # Errors
 /// [`Problem::Usage`].
 pub fn playable(path: &str) -> Result<(), Problem> {
-    has_format(path, is_picture, &["html", "htm", "png", "gif"])
+    has_format(path, is_picture, &["html", "htm", "png", "gif", "svg"])
 }
 
 fn has_format(path: &str, has_pixels: fn(&Path) -> bool, known: &[&str]) -> Result<(), Problem> {

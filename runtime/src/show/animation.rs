@@ -4,8 +4,12 @@ use super::Chart;
 use super::curves::{self, multiple, unit};
 use super::extent::Extent;
 use super::figure::ends_in;
+#[cfg(feature = "png")]
+use super::{figure::scaled_down, stage::Stage, vector::Vector};
 use crate::error::Error;
 use crate::mechanism::{Description, Shape};
+#[cfg(feature = "png")]
+use plotters::prelude::IntoDrawingArea;
 use serde_json::{Value, json};
 use std::path::Path;
 use std::sync::Arc;
@@ -104,7 +108,28 @@ impl Animation {
         include_str!("page.html").replace("@SCRIPT@", &script).replace("@DATA@", &data)
     }
 
-    /// Writes the animation to a file: as a picture that moves where its name ends in `.png` or `.gif`, else as a page.
+    /// The first frame as the text of an SVG file, as pictures that move begin; charts are left out.
+    ///
+    /// ```
+    /// use dalembert::mechanism::Shape;
+    /// use dalembert::show::Animation;
+    /// let rod = Animation::new("Rod", 2, vec![Shape::Line(2)]).with_frames([(0.0, vec![0.0, 0.0, 1.0, 0.0])]);
+    /// assert!(rod.to_svg().starts_with("<svg"));
+    /// ```
+    #[cfg(feature = "png")]
+    pub fn to_svg(&self) -> String {
+        let stage = Stage::of(self);
+        let mut svg = String::new();
+        let canvas = Vector::on(&mut svg, stage.fine()).into_drawing_area();
+        let start = self.frames.first().map_or(0.0, |(time, _)| *time);
+        let drawn = stage.draw_background(&canvas).and_then(|()| stage.draw(&canvas, start));
+        drawn.expect("text in memory takes all that is drawn");
+        drop(canvas);
+        scaled_down(&svg, stage.size())
+    }
+
+    /// Writes the animation to a file: as a picture that moves where its name ends in `.png` or `.gif`, its first frame where it ends in
+    /// `.svg`, else as a page.
     ///
     /// # Errors
     /// [`Error::File`]; [`Error::NeedsPng`] for a picture where the crate was built without the feature `png`.
@@ -115,9 +140,21 @@ impl Animation {
             return std::fs::write(path, self.to_html()).map_err(file);
         }
         #[cfg(feature = "png")]
-        return std::fs::write(path, if ends_in(path, "gif") { self.to_gif() } else { self.to_png() }).map_err(file);
+        return std::fs::write(path, self.picture(path)).map_err(file);
         #[cfg(not(feature = "png"))]
         Err(Error::NeedsPng { path: path.to_owned() })
+    }
+
+    /// The bytes of a picture in the format that its file's name ends in.
+    #[cfg(feature = "png")]
+    fn picture(&self, path: &Path) -> Vec<u8> {
+        if ends_in(path, "svg") {
+            self.to_svg().into_bytes()
+        } else if ends_in(path, "gif") {
+            self.to_gif()
+        } else {
+            self.to_png()
+        }
     }
 
     /// Everything that the page knows; lengths and times are whole multiples of a millionth of their range or
@@ -154,8 +191,13 @@ impl Animation {
     }
 }
 
-/// Whether an animation is to be a picture, by its file's name.
+/// Whether an animation is to be a picture, by its file's name: one that moves, or its first frame.
 pub(crate) fn is_picture(path: &Path) -> bool {
+    is_film(path) || ends_in(path, "svg")
+}
+
+/// Whether it is to be a picture that moves.
+pub(crate) fn is_film(path: &Path) -> bool {
     ends_in(path, "png") || ends_in(path, "gif")
 }
 

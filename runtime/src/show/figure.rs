@@ -212,7 +212,7 @@ fn height(chart: &Chart, width: i32, rows: usize) -> i32 {
 }
 
 /// Replaces the size in tenths of a pixel by one in pixels, and shortens the text.
-fn scaled_down(svg: &str, (width, height): (i32, i32)) -> String {
+pub(super) fn scaled_down(svg: &str, (width, height): (i32, i32)) -> String {
     let fine = format!("width=\"{}\" height=\"{}\"", width * FINE, height * FINE);
     shortened(&svg.replacen(&fine, &format!("width=\"{width}\" height=\"{height}\""), 1))
 }

@@ -1,4 +1,4 @@
-//! Seeing a run: charts as SVG, or PNG and PDF (feature `png`), an animation as one HTML page, as PNG or as GIF (feature `png`),
+//! Seeing a run: charts as SVG, or PNG and PDF (feature `png`), an animation as one HTML page, as PNG, as GIF or its first frame as SVG (feature `png`),
 //! tables as CSV.
 //!
 //! Everything here turns plain data into text or pixels, so it serves runs, error charts and mode shapes alike; only
@@ -39,7 +39,7 @@ mod vector;
 
 pub use animation::Animation;
 #[cfg(feature = "cli")]
-pub(crate) use animation::is_picture;
+pub(crate) use animation::{is_film, is_picture};
 pub use axis::{Axis, Scale};
 pub use chart::{Chart, Failure, Instant, Series, Slope, Style};
 pub use csv::csv;

@@ -19,7 +19,8 @@ impl Run {
         self.figure().write(path)
     }
 
-    /// Writes [`Run::animation`] to a file: a page, or a picture that moves where its name ends in `.png` or `.gif`.
+    /// Writes [`Run::animation`] to a file: a page, or a picture that moves where its name ends in `.png` or `.gif`, its
+    /// first frame where it ends in `.svg`.
     ///
     /// # Errors
     /// As [`Animation::write`].

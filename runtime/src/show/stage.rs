@@ -62,6 +62,11 @@ impl<'a> Stage<'a> {
         stage
     }
 
+    /// Width and height, px.
+    pub fn size(&self) -> (i32, i32) {
+        (WIDTH, self.height)
+    }
+
     /// Width and height in drawing units.
     pub fn fine(&self) -> (u32, u32) {
         ((WIDTH * FINE) as u32, (self.height * FINE) as u32)

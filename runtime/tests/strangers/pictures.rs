@@ -195,3 +195,13 @@ fn runs_of_a_sweep_that_failed_are_counted_in_its_picture() {
     assert!(outcome.is_ok() && !all.contains("failed"));
     assert_eq!(marks(&svg), marks(&all));
 }
+
+/// A still is no film, of which is told how long it plays.
+#[test]
+fn an_svg_of_an_animation_is_a_still() {
+    let path = folder("still").join("arm.svg");
+    let arguments = ["simulate", &model("three_link_arm"), "--no-digits", "--until", "0.1", "--animate"];
+    let told = program(&[&arguments[..], &[path.to_str().unwrap()]].concat()).unwrap();
+    assert!(!told.contains("arm.svg"), "{told}");
+    assert!(std::fs::read_to_string(&path).unwrap().starts_with("<svg"));
+}

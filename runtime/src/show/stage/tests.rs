@@ -145,3 +145,16 @@ fn a_model_with_z_down_is_shown_the_right_way_up() {
         assert_eq!(ball < plane - 10.0, up[2] < 0.0, "{ball} {plane}");
     }
 }
+
+/// Of what comes later only the place matters that it needs.
+#[test]
+fn a_still_is_the_first_frame() {
+    let of = |angles: [f64; 3]| {
+        let frame = |(k, angle): (usize, f64)| (k as f64, vec![0.0, 0.0, angle.cos(), angle.sin()]);
+        let rod = Animation::new("Rod", 2, vec![Shape::Line(2)]);
+        rod.with_frames(angles.into_iter().enumerate().map(frame)).to_svg()
+    };
+    let (level, upright) = (0.0, std::f64::consts::FRAC_PI_2);
+    assert_eq!(of([level, upright, level]), of([level, upright, upright]));
+    assert_ne!(of([level, upright, level]), of([upright, level, level]));
+}
