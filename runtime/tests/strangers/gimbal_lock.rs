@@ -237,7 +237,7 @@ scene: {start: {b: 0.5, b': -1, a': 3e-05, c': -3e-05}, until: 2, tolerance: 1e-
     // b falls from 0.5 at the rate 1; what turns about the line of nodes keeps it from 0.
     assert!((t - 0.5).abs() < 1e-3 && angle > 0.0 && angle < 1e-4 && part > 0.3 && part <= 1.0, "{t} {angle} {part}");
     assert!(!exact.warnings.iter().any(|warning| matches!(warning, Warning::NearGimbalLock { .. })));
-    // With moderate steps a lock nearby does no harm: a top that nutates in 0.1 rad about the vertical.
+    // With moderate steps a lock nearby does no harm: a body that turns slowly 0.015 rad beside it.
     let quiet = case(&angles.replace("b: 0.5, b': -1, a': 3e-05, c': -3e-05", "b: 0.015, a': 1, c': 1")).run();
     assert!(
         !quiet.warnings.iter().any(|warning| matches!(warning, Warning::NearGimbalLock { .. })),
