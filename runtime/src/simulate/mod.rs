@@ -251,6 +251,14 @@ fn first_phase(system: &mut dyn System, settings: &Settings) -> Result<usize, Bo
     settle(system, &moment, Change::Start(begin_at_state))
 }
 
+/// The places [q] of a start that meets the constraints in force, held values kept; `None` where they cannot be met.
+pub(crate) fn closed(system: &dyn System, settings: &Settings) -> Option<Vec<f64>> {
+    let (guess, held) = ([settings.q.as_slice(), settings.v.as_slice()].concat(), settings.held());
+    let mut y = consistent(system, &start_of(settings, &guess, &held)).ok()?;
+    y.truncate(settings.q.len());
+    Some(y)
+}
+
 /// Makes a mechanism what it is where a run begins, in the state of the settings, which is returned: [q; q'].
 fn set_up(system: &mut dyn System, settings: &Settings) -> Vec<f64> {
     system.set_phase(settings.phase);

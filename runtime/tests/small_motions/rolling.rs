@@ -161,3 +161,28 @@ fn a_top_nutates_about_its_steady_precession() {
     let fastest = fastest.fold(0.0, f64::max);
     assert!((fastest - expected).abs() < 1e-11, "{fastest} is not {expected}");
 }
+
+/// A bicycle without hands on circles that a run of 3 s keeps to 13 digits, and a start beside one: it leans and steers, and x, y and the
+/// heading turn as a whole.
+#[test]
+fn a_bicycle_keeps_to_its_circle() {
+    let circle = |v: f64, phi: f64, delta: f64| {
+        let circle = format!(
+            "scenes:\n  circle: {{start: {{x: 0, y: 0, psi: 0, thR: 0, thF: 0, phi: {phi}, phi': 0, delta: {delta}, delta': 0, \
+             thR': -v/rR}}, guess: {{pitch: 0}}}}\n"
+        );
+        model("whipple_bicycle").replace("scenes:\n", &circle).replace("v: 4.6 m/s", &format!("v: {v:?} m/s"))
+    };
+    let exact = [(5.99780560896461, 0.1, 0.02910841874575428), (5.908324285295904, 0.2, 0.06015738456984883)];
+    let options = ["--scene", "circle", "--steady"];
+    for (v, phi, delta) in exact {
+        let found = run(&circle(v, phi, delta), &options);
+        assert_eq!(found["turning"], serde_json::json!(["x", "y"]), "{found}");
+        let at = |name: &str| found["equilibrium"][name].as_f64().unwrap();
+        assert!((at("phi") - phi).abs() < 1e-10 && (at("delta") - delta).abs() < 1e-10, "{found}");
+    }
+    // A start that is none of these motions leads to the one between 0.05, at 6.0178 m/s, and 0.1.
+    let beside = run(&circle(6.0, 0.1, 0.0288), &options);
+    let phi = beside["equilibrium"]["phi"].as_f64().unwrap();
+    assert!(phi > 0.05 && phi < 0.1, "{beside}");
+}

@@ -36,7 +36,7 @@ use crate::linear::{
     guess_of_rest, has_dependent_coordinates, linearise, linearise_constrained, short,
 };
 use crate::mechanism::{Noise, System, Target};
-use crate::simulate::{Settings, settled};
+use crate::simulate::{Settings, closed, settled};
 use clap::ArgMatches;
 use dalembert_symbolic::model::Sets;
 use damping::Damping;
@@ -192,7 +192,11 @@ fn prepared(context: Context<'_>, options: &ArgMatches) -> Result<Prepared, Prob
     let mut memory = loaded.system.scene_memory(scene);
     let mut speeds = Speeds::new(&loaded, options, scene, &inputs)?;
     let mut q = match options.get_flag("steady") {
-        true => loaded.system.scene(scene).q,
+        // As a run begins: what the start leaves open follows from the constraints.
+        true => {
+            let settings = Settings::of_scene(&*loaded.system, scene);
+            closed(&*loaded.system, &settings).unwrap_or(settings.q)
+        }
         false => guess_of_rest(&*loaded.system, &loaded.system.scene(scene).q),
     };
     if loaded.system.description().has_states() {

@@ -36,7 +36,9 @@ pub(super) fn balance(
 ) -> Result<Box<dyn Balance>, LinearError> {
     // The speed that is varied may be 0 at present.
     let mut kept = varied.speeds(present, guess);
-    if let Varied::Speed(index) = varied {
+    if let Varied::Speed(index) = varied
+        && kept[*index] == 0.0
+    {
         kept[*index] = 1.0;
     }
     let (levels, symmetries) = {

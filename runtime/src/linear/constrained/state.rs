@@ -388,10 +388,15 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
             force[i].abs() <= (part * terms.forces[i]).max(rounding).max(NOTHING)
         };
         let (triples, bias) = (self.triples(state), self.bias(state));
+        // c' is known to roundings of its terms, which change as fast as the motion: where what γ is made of vanishes, as it does of a
+        // distance that stays, this is all there is to judge it by.
+        let sizes = natural_sizes(&self.units(), &state.q);
+        let pace = state.v.iter().zip(&sizes).fold(0.0_f64, |most, (v, size)| most.max(v.abs() / size));
+        let changed = ROUNDINGS * f64::EPSILON * pace;
         let closed: Vec<usize> = self.closed().collect();
         let at_ease = |k: usize| {
             triples[k][1].abs() <= (part * terms.rates[k]).max(NOTHING)
-                && bias[k].abs() <= (part * terms.biases[k]).max(NOTHING)
+                && bias[k].abs() <= (part * terms.biases[k]).max(changed * terms.rates[k]).max(NOTHING)
                 && (!closed.contains(&k) || triples[k][0].abs() <= (part * terms.places[k]).max(NOTHING))
         };
         let rows = (0..self.rows.len()).find(|k| !at_ease(*k)).map(|k| self.n + k);

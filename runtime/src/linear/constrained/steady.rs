@@ -114,6 +114,13 @@ impl Shifts {
         self.0.column_iter().filter_map(|shift| single(shift.as_view())).collect()
     }
 
+    /// Whether they move every coordinate that has a speed (not 0).
+    #[cfg(feature = "modal")]
+    pub fn reach(&self, v: &[f64]) -> bool {
+        let free = self.coordinates();
+        (0..v.len()).all(|i| v[i] == 0.0 || free.contains(&i))
+    }
+
     /// The coordinates that some of them move.
     pub fn coordinates(&self) -> Vec<usize> {
         (0..self.0.nrows()).filter(|i| self.0.row(*i).iter().any(|x| *x != 0.0)).collect()
@@ -266,12 +273,17 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         let right = kept.iter().map(|i| given[*i]).chain(drift.iter().map(|x| -x));
         let right = DMatrix::from_iterator(count + m, 1, right);
         let failed = LinearError::NoConvergence { what: "the speeds that constraints allow" };
-        let weights = solve_least(&matrix, &right).ok_or(failed)?;
+        let mut weights = solve_least(&matrix, &right).ok_or(failed)?;
         let found = ways * &weights;
         let missed = kept.iter().find(|i| (found[**i] - given[**i]).abs() > MISSED * given[**i].abs());
         let v = DVector::from_fn(n, |i, _| if given[i] == 0.0 { found[i] } else { given[i] });
         let sizes = natural_sizes(&self.units(), v.as_slice());
         let v = DVector::from_fn(n, |i, _| if v[i].abs() <= REST * sizes[i] { 0.0 } else { v[i] });
+        for (weight, way) in weights.iter_mut().zip(ways.column_iter()) {
+            if way.iter().zip(&sizes).all(|(x, size)| (x * *weight).abs() <= REST * size) {
+                *weight = 0.0;
+            }
+        }
         let (left, terms) = (&jacobian * &v + &drift, jacobian.abs() * v.abs() + drift.abs());
         let rounding = jacobian.abs() * DVector::from_vec(sizes) * REST;
         let row = (0..m).find(|k| left[*k].abs() > (MISSED * terms[*k]).max(rounding[*k]));

@@ -64,7 +64,12 @@ pub fn linearise_tangent<S: System + ?Sized>(system: &S, guess: &Guess, here: bo
     on_its_sides(system, guess, |system, guess| {
         let held = ConstrainedState::new(system, &rows, &guess.q);
         let (state, iterations) = match held.turning_guess(guess) {
-            Some(symmetries) => held.nearest_turning(&symmetries, guess, here)?,
+            Some(symmetries) => {
+                let turning = held.nearest_turning(&symmetries, guess, here);
+                let found = turning.as_ref().is_ok_and(|(state, _)| held.stays(state));
+                // What need not turn may go straight on.
+                if here || found || !symmetries.shifts.reach(&guess.v) { turning? } else { held.nearest(guess)? }
+            }
             None if here => (held.state(&guess.q, &guess.v), 0),
             None => held.nearest(guess)?,
         };

@@ -127,16 +127,16 @@ impl Candidate {
 }
 
 impl<S: System + ?Sized> ConstrainedState<'_, S> {
-    /// Shifts near a place, and turns where speeds are kept (not 0) that no shift has.
+    /// Shifts near a place, and turns where no shift has the speeds that are kept (not 0) and meets the constraints there, as the place of a
+    /// bicycle that leans and steers allows no other motion than along a circle.
     ///
     /// # Errors
     /// As [`ConstrainedState::shifts`].
     pub fn symmetries(&self, q: &[f64], kept: &[f64]) -> Result<Symmetries, LinearError> {
         let shifts = self.shifts(q)?;
-        let shifted = shifts.coordinates();
-        let turns = match (0..self.n).all(|i| kept[i] == 0.0 || shifted.contains(&i)) {
-            true => Vec::new(),
-            false => self.turns(q, &shifts)?,
+        let turns = match self.speeds(&shifts, q, kept) {
+            Ok(_) => Vec::new(),
+            Err(_) => self.turns(q, &shifts)?,
         };
         Ok(Symmetries { shifts, turns })
     }
