@@ -141,12 +141,13 @@ fn places(system: &dyn System, start: &Start<'_>, rows: &[usize], change: &Chang
         free.iter().enumerate().for_each(|(row, j)| k[(row, line)] -= slopes[*j]);
     }
     let by_others = turned(&along);
-    let right = free.iter().map(|i| asked[*i] + by_others[*i]).chain(missed.iter().map(|x| -x));
+    let wanted = DVector::from_iterator(f, free.iter().map(|i| asked[*i] + by_others[*i]));
+    let right = wanted.iter().copied().chain(missed.iter().map(|x| -x));
     if let Some(solution) = solve_least(&k, &DMatrix::from_iterator(f + r, 1, right)) {
         free.iter().zip(solution.iter()).for_each(|(i, step)| column[*i] = *step);
     }
     let left = missed_places(system, start, &holonomic, &Along { q: &column[..n], parameter, ..Along::default() });
-    closed(system, place, &holonomic, (&left, &missed, &column[..n]))?;
+    closed(system, place, &holonomic, (&left, &missed, size(&column[..n]).max(wanted.norm())))?;
     Ok(column)
 }
 
@@ -158,14 +159,16 @@ fn missed_places(system: &dyn System, start: &Start<'_>, rows: &[usize], along: 
     rows.iter().map(|row| triples[3 * row]).collect()
 }
 
-/// Refuses what misses constraints: everything that would meet them is held.
+/// Refuses what misses constraints: everything that would meet them is held.  What is left is seen beside what was to be made up for, and beside
+/// what the longest way makes of the constraint: that of the solution, or the one that it would be without the constraints, which may hold all of it
+/// so that rounding is all that is left of both.
 fn closed(
     system: &dyn System,
     place: At<'_>,
     rows: &[usize],
-    (left, before, moved): (&[f64], &[f64], &[f64]),
+    (left, before, way): (&[f64], &[f64], f64),
 ) -> Result<(), NoSlopes> {
-    let (j, way) = (constraint_matrix(system, place, rows), DVector::from_row_slice(moved).norm());
+    let j = constraint_matrix(system, place, rows);
     let misses = |k: &usize| left[*k].abs() > MISSED * (j.row(*k).norm() * way).max(before[*k].abs());
     match (0..rows.len()).find(misses) {
         Some(k) => Err(NoSlopes::HeldStart {
@@ -208,11 +211,10 @@ fn speeds(
     let turned = momentum_slopes(system, At::new(start.t, q, v), v, (rows, &impulses), &along);
     let coupled = mass.select_rows(&free) * DVector::from_row_slice(rates);
     let missed = rate_slopes(system, At::new(start.t, q, v), &along);
-    let right = free
-        .iter()
-        .zip(coupled.iter())
-        .map(|(i, coupled)| -turned[*i] - coupled)
-        .chain(rows.iter().map(|row| -missed[*row]));
+    let momenta = free.iter().zip(coupled.iter()).map(|(i, coupled)| -turned[*i] - coupled);
+    let momenta = DMatrix::from_iterator(f, 1, momenta);
+    let unheld = solve_least(&m, &momenta).map_or(0.0, |speeds| speeds.norm());
+    let right = momenta.iter().copied().chain(rows.iter().map(|row| -missed[*row]));
     let right = DMatrix::from_iterator(f + r, 1, right);
     if let Some(solution) = solve_least(&k, &right) {
         free.iter().zip(solution.iter()).for_each(|(i, v)| column[n + i] = *v);
@@ -221,5 +223,9 @@ fn speeds(
     let left =
         rate_slopes(system, At::new(start.t, q, v), &Along { q: places, v: rates, parameter, ..Along::default() });
     let of_rows = |list: &[f64]| rows.iter().map(|row| list[*row]).collect::<Vec<f64>>();
-    closed(system, place, rows, (&of_rows(&left), &of_rows(&missed), rates))
+    closed(system, place, rows, (&of_rows(&left), &of_rows(&missed), size(rates).max(unheld)))
+}
+
+fn size(list: &[f64]) -> f64 {
+    DVector::from_row_slice(list).norm()
 }
