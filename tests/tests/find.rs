@@ -367,6 +367,20 @@ fn a_bead_on_a_wire_does_not_depend_on_its_mass() {
     }
 }
 
+/// A value that is said of a condition stays while the unknowns are found, as E446 says of files.
+#[test]
+fn values_of_conditions_contain_nothing_unknown() {
+    let file = written(
+        "name: Line\nparameters: {a: 2, b: 3}\ncoordinates: {x: 1}\nkinetic_energy: x'^2/2\n\
+         scene: {start: {x: 0, x': a}, until: 1, tolerance: 1e-12}\n",
+    );
+    let refused = told(&["solve", &file, "--unknown", "a=2", "--such-that", "x=2*a"]).unwrap_err();
+    assert!(refused.contains("the value of `x` contains `a`, which is unknown"), "{refused}");
+    // x(1) = a, and b is known.
+    let found = told(&["solve", &file, "--unknown", "a=2", "--such-that", "x=2*b"]).expect("a solution");
+    near(number(&found["values"]["a"]["value"]), 6.0, 1e-11);
+}
+
 #[test]
 fn motions_without_slopes_say_why() {
     let refused = |arguments: &[&str]| told(&[&["simulate"], arguments].concat()).unwrap_err();

@@ -13,7 +13,7 @@ use super::plotted::parts;
 use super::set_up::{Place, Reader, for_search, like_output, motion_index, parameter_index, place_in_state};
 use super::{Context, Problem, outputs, value_files};
 use crate::error::{Error, NoSlopes, NotFound};
-use crate::find::{Found, Record, Search, Value};
+use crate::find::{Found, Record, Search, Value, another};
 use crate::mechanism::Coordinate;
 use crate::numbers::{counted, short_within, spaced};
 use crate::run::plain;
@@ -34,6 +34,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     }
     for (name, text) in listed_pairs(options, "such-that")? {
         let value = read(&mut reader, &loaded, "such-that", (&name, &text))?;
+        stays(&mut reader, &loaded, options, (&name, &text, value))?;
         search = search.such_that(&name, value);
     }
     search = wanted(search, options)?;
@@ -85,6 +86,32 @@ fn read(reader: &mut Reader, loaded: &Loaded, option: &str, (name, text): (&str,
         _ => like_output(loaded, name)?,
     };
     reader.value(loaded, option, sets, text)
+}
+
+/// Refuses a value of a condition that changes with a parameter that is unknown: it would be taken at the guess.
+fn stays(
+    reader: &mut Reader,
+    loaded: &Loaded,
+    options: &ArgMatches,
+    (name, text, value): (&str, &str, f64),
+) -> Result<(), Problem> {
+    let sets = like_output(loaded, name)?;
+    let of_motion = motion_index(loaded, options)?.map(|place| loaded.system.motions()[place].unknowns.to_vec());
+    let given = listed_pairs(options, "unknown")?.into_iter().map(|(name, _)| name);
+    let unknowns: Vec<String> = given.chain(of_motion.into_iter().flatten().map(|name| name.to_string())).collect();
+    for (k, parameter) in loaded.system.description().parameters.iter().enumerate() {
+        if !unknowns.iter().any(|unknown| *unknown == *parameter.name) {
+            continue;
+        }
+        let mut parameters = loaded.system.parameters().to_vec();
+        parameters[k] = another(parameters[k]);
+        let moved = reader.model(loaded)?.constant(text, sets, &parameters);
+        if moved.is_ok_and(|moved| moved != value) {
+            let parameter = parameter.name.to_string();
+            return Err(Problem::Run(NotFound::MovingGoal { name: name.to_owned(), parameter }.to_string()));
+        }
+    }
+    Ok(())
 }
 
 /// With `--maximise`, `--minimise` or `--fit`.

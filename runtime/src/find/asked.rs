@@ -44,6 +44,11 @@ impl Search {
     }
 }
 
+/// Another value of a parameter: any tells whether something changes with it.
+pub(crate) fn another(value: f64) -> f64 {
+    if value == 0.0 { 1.0 } else { 1.25 * value }
+}
+
 /// A value that a motion of the file gives a condition must not change with a parameter that is unknown.
 pub(super) fn goals_stay(
     system: &dyn System,
@@ -59,8 +64,7 @@ pub(super) fn goals_stay(
     for parameter in parameters {
         let mut moved = system.boxed_clone();
         let value = system.parameters()[parameter];
-        // Any other value tells.
-        moved.set_parameter(parameter, 1.25 * value + if value == 0.0 { 1.0 } else { 0.0 });
+        moved.set_parameter(parameter, another(value));
         let others = moved.motion_numbers(*place).conditions;
         let changed = numbers.conditions.iter().zip(&others).position(|(own, other)| own != other);
         let kept = changed.and_then(|k| Some((conditions.get(k)?, numbers.conditions[k])));

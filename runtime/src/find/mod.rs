@@ -19,6 +19,8 @@ mod newton;
 mod search;
 mod trial;
 
+#[cfg(feature = "cli")]
+pub(crate) use asked::another;
 pub use fit::{Fit, Record};
 pub use found::{Found, Value};
 pub(crate) use newton::Linearised;
