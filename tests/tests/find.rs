@@ -381,6 +381,24 @@ fn values_of_conditions_contain_nothing_unknown() {
     near(number(&found["values"]["a"]["value"]), 6.0, 1e-11);
 }
 
+/// The farthest throw that lands with 10 m/s: without drag it is thrown with 10 m/s, at 45 degrees, and flies v²/g = 10 m.
+#[test]
+fn an_extreme_under_conditions_needs_freedom() {
+    let file = written(
+        "name: Both\nparameters: {m: 1 kg, g: 10 m/s^2}\ncoordinates: {x: m, y: m}\nbodies: {ball: {mass: m, position: \"[x, y]\"}}\n\
+         gravity: [0, -g]\nevents: {land: {when: y, direction: falling, then: stop}}\noutputs: {speed: \"sqrt(x'^2 + y'^2)\"}\n\
+         scene: {start: {x: 0, y: 0, x': 6, y': 6}, until: 100, tolerance: 1e-12}\n",
+    );
+    let asked = ["--such-that", "speed=10", "--maximise", "x"];
+    let solve = |unknown: &str| told(&[&["solve", &file, "--unknown", unknown], &asked[..]].concat());
+    let found = solve("x'=6,y'=6").expect("a throw");
+    near(number(&found["values"]["x'"]["value"]), 50.0_f64.sqrt(), 1e-10);
+    near(number(&found["reached"]["x"]["value"]), 10.0, 1e-11);
+    near(number(&found["reached"]["speed"]["value"]), 10.0, 1e-11);
+    let refused = solve("x'=6").unwrap_err();
+    assert!(refused.contains("leave nothing free") && refused.contains("x' = 8"), "{refused}");
+}
+
 #[test]
 fn motions_without_slopes_say_why() {
     let refused = |arguments: &[&str]| told(&[&["simulate"], arguments].concat()).unwrap_err();

@@ -62,6 +62,13 @@ pub enum NotFound {
         /// The unknowns where the search ended.
         values: Vec<(String, f64)>,
     },
+    /// Conditions leave no unknown free, so that nothing has a largest, or smallest, value under them.
+    NothingFree {
+        /// What was to have one.
+        name: String,
+        /// The unknowns that meet the conditions.
+        values: Vec<(String, f64)>,
+    },
     /// A record does not tell unknowns apart.
     NotIdentified {
         /// By which parts of themselves they may be changed together.
@@ -114,6 +121,12 @@ impl fmt::Display for NotFound {
             NotFound::NoExtreme { name, values } => {
                 write!(f, "`{name}` has no such value near by; the search ended at {}", Listed(values))
             }
+            NotFound::NothingFree { name, values } => write!(
+                f,
+                "the conditions leave nothing free by which `{name}` might become larger or smaller: near by {} alone meets them; give more unknowns, \
+                 or fewer conditions",
+                Listed(values)
+            ),
             NotFound::NotIdentified { direction } => {
                 let parts: Vec<String> = direction.iter().map(|(name, part)| format!("{name} by {part:.4}")).collect();
                 write!(

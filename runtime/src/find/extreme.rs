@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::errors::{end_time, value_list};
-use super::found::{Found, Value};
+use super::found::Found;
 use super::newton::Linearised;
 use super::search::{HALVES, MISSED, STEPS, Seeker};
 use super::trial::Trial;
@@ -192,32 +192,36 @@ fn finish(
         let residuals = seeker.residuals(&now.trial);
         return Err(NotFound::Contradictory { residuals, values: seeker.named(&values) }.into());
     }
+    if step.curvatures.is_empty() {
+        return Err(NotFound::NothingFree { name: name.to_owned(), values: seeker.named(&values) }.into());
+    }
     let flat = flat(&now, &step.curvatures);
     if step.curvatures.iter().any(|curvature| *curvature > -flat) {
         return Err(NotFound::NoExtreme { name: name.to_owned(), values: seeker.named(&values) }.into());
     }
     // A second run has its gradient vanish elsewhere.
     seeker.runs += 1;
-    let (errors, end_error, later) = match seeker.source.second(&values, &now.trial) {
+    let columns: Vec<usize> = seeker.conditions.iter().map(|condition| condition.column).chain([column]).collect();
+    let (errors, off, later) = match seeker.source.second(&values, &now.trial) {
         Some(Second { run: other, told }) => {
             let later = told * seeker.end_difference(&now.trial, &other);
+            let off: Vec<f64> =
+                columns.iter().map(|k| told * (other.at_end(*k) - now.trial.at_end(*k)).abs()).collect();
             let other = place(seeker, other, column, sign, scales);
             let moved = told * (&other.gradient - &now.gradient).norm();
             let least = step.curvatures.iter().fold(f64::INFINITY, |least, x| least.min(x.abs()));
             let error = moved / least + step.x.norm();
-            (
-                scales.iter().map(|scale| scale * error).collect::<Vec<f64>>(),
-                told * (other.value - now.value).abs(),
-                later,
-            )
+            (scales.iter().map(|scale| scale * error).collect::<Vec<f64>>(), off, later)
         }
-        None => (vec![f64::NAN; scales.len()], f64::NAN, f64::NAN),
+        None => (vec![f64::NAN; scales.len()], vec![f64::NAN; columns.len()], f64::NAN),
     };
     let end = end_time(&now.trial, later + seeker.end_error(&now.trial, &errors));
-    let reached = Value { name: name.to_owned(), value: sign * now.value, error: end_error };
+    let told: Vec<String> =
+        seeker.conditions.iter().map(|condition| condition.name.clone()).chain([name.to_owned()]).collect();
+    let reached: Vec<f64> = columns.iter().map(|k| now.trial.at_end(*k)).collect();
     Ok(Found {
         values: value_list(&seeker.names, &values, &errors),
-        reached: vec![reached],
+        reached: value_list(&told, &reached, &off),
         end_time: end,
         run: now.trial.varied.run,
         steps,

@@ -119,6 +119,11 @@ impl Trial {
         self.varied.points.last()
     }
 
+    /// A number at the end; none where there is no end.
+    pub fn at_end(&self, column: usize) -> f64 {
+        self.end().map_or(f64::NAN, |end| end.values[column])
+    }
+
     /// The slopes of a number at a point by all that is sought.
     pub fn slopes(&self, sought: &[Sought], point: &Point, column: usize) -> Vec<f64> {
         let mut of_unknowns = point.slopes.iter();
