@@ -16,6 +16,9 @@ pub(crate) struct Closing {
     pub shifts: Vec<usize>,
     /// How much more each coordinate is at the end.
     pub turns: Vec<f64>,
+    /// Where the start is its own image with time reversed: for each coordinate the one that it equals there, and whether with the opposite sign; empty
+    /// where the start is not said to be one.
+    pub reversed: Vec<(usize, bool)>,
 }
 
 /// When a part of a motion ends.
@@ -48,6 +51,7 @@ impl Closing {
             phases: (0..description.phases.len().max(1)).collect(),
             shifts: Vec::new(),
             turns: vec![0.0; n],
+            reversed: Vec::new(),
         }
     }
 
@@ -69,6 +73,9 @@ impl Closing {
             }
         };
         closing.by = by;
+        if let (Some([from, _]), By::Part(_)) = (&closes.between, by) {
+            closing.reversed = from.iter().map(|(k, opposite)| (*k as usize, *opposite)).collect();
+        }
         for (i, (k, opposite)) in ends.iter().enumerate() {
             closing.images[*k as usize] = (i, *opposite);
         }
@@ -228,6 +235,22 @@ impl Closing {
             })
         };
         changing.iter().copied().find(|k| !changing.iter().any(|other| is_image(*k, *other)))
+    }
+
+    /// Slopes, by [q; q'], of what is 0 where the start is its own image with time reversed: each coordinate less its image, and each rate plus it.
+    pub fn reversals(&self) -> Vec<Vec<f64>> {
+        let n = self.images.len();
+        let slopes = |place: usize, image: usize, sign: f64| {
+            let mut slopes = vec![0.0; 2 * n];
+            slopes[place] = 1.0;
+            slopes[image] -= sign;
+            slopes
+        };
+        let pairs = self.reversed.iter().enumerate().flat_map(|(i, (k, opposite))| {
+            let sign = if *opposite { -1.0 } else { 1.0 };
+            [slopes(i, *k, sign), slopes(n + i, n + k, -sign)]
+        });
+        pairs.filter(|slopes| slopes.iter().any(|x| *x != 0.0)).collect()
     }
 
     /// The state whose image this is.

@@ -207,7 +207,9 @@ pub(super) fn first_run(
     let run = simulate(system, &junctions)?;
     let scales = sizes(&run);
     let until = run.last().t - run.first().t;
-    let Some(found) = returns(&run, &scales, &closing.shifts).into_iter().next() else {
+    // A start that is said to be its own image with time reversed is one, and no state on the way is.
+    let begins_here = |found: &Return| closing.reversed.is_empty() || found.t == run.first().t;
+    let Some(found) = returns(&run, &scales, &closing.shifts).into_iter().find(begins_here) else {
         return Err(NoOrbit::NoGuess { until }.into());
     };
     let from = run.at(found.t).ok_or(NoOrbit::NoGuess { until })?;

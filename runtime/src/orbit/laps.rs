@@ -180,14 +180,19 @@ impl Laps {
         let pieces = self.run(point, lap.0, tolerance)?;
         let width = 2 * self.n();
         let closes = pieces.len() * width;
-        let kept = self.momenta.len() + 2 * self.system.description().rotations.len();
+        let reversals = self.closing.reversals();
+        let kept = self.momenta.len() + 2 * self.system.description().rotations.len() + reversals.len();
         let asked = closes + kept;
         let size = asked + usize::from(self.energy.is_some()) + usize::from(self.away.is_some());
         let (mut r, mut j) = (DVector::zeros(size), DMatrix::zeros(size, self.unknowns()));
         for k in 0..pieces.len() {
             self.close(point, (&pieces, k), lap, (&mut r, &mut j));
         }
-        self.ask_kept(&pieces, closes, (&mut r, &mut j));
+        for (k, slopes) in reversals.iter().enumerate() {
+            let differs = slopes.iter().zip(&point.starts[0]).map(|(slope, x)| slope * x).sum();
+            self.ask(closes + k, differs, (slopes, None), (&mut r, &mut j));
+        }
+        self.ask_kept(&pieces, closes + reversals.len(), (&mut r, &mut j));
         if let Some(wanted) = self.energy {
             self.ask_energy((asked, wanted), (point, &pieces), (&mut r, &mut j));
         }
