@@ -111,6 +111,26 @@ fn the_double_pendulum_swings_in_two_families() {
     }
 }
 
+/// A spring that hardens, with a force and a damper.
+fn hardening() -> String {
+    written(
+        "name: Hardening\nparameters: {d: 0.1, f: 0.3, k3: 1, w: 1.5}\ncoordinates: {x: 1}\ninputs: {shake: f*cos(w*t)}\n\
+         kinetic_energy: x'^2/2\npotential_energy: x^2/2 + k3*x^4/4\ndissipation: d*x'^2/2\n\
+         generalized_forces: {x: shake}\nscene: {start: {x: 0, x': 0}, until: 100, tolerance: 1e-12}\n",
+    )
+}
+
+/// The answer of a linear oscillator is greatest at w² = 1 − d²/2, where its amplitude is f/(d √(1 − d²/4)).
+#[test]
+fn the_peak_of_a_forced_response_is_told() {
+    let found = told(&[&hardening(), "--set", "k3=0", "--set", "d=0.4", "--vary", "w=0.6..2.6"]).unwrap();
+    let peaks = found["peaks"].as_array().unwrap();
+    assert_eq!(peaks.len(), 1, "{peaks:?}");
+    assert_eq!(peaks[0]["of"], "x");
+    holds(&peaks[0], (1.0_f64 - 0.08).sqrt(), 1e-9);
+    near(number(&peaks[0]["amplitude"]), 0.3 / (0.4 * 0.96_f64.sqrt()), 1e-10);
+}
+
 /// Duffing's oscillator: the forced response turns back twice.
 #[test]
 fn a_forced_response_turns_back_where_the_reference_says() {

@@ -10,7 +10,7 @@ use super::json::{number, object};
 use super::load::Loaded;
 use super::orbit::{json_multipliers, multipliers};
 use crate::numbers::{counted, short};
-use crate::orbit::{Family, Member, OrbitChange, Threshold};
+use crate::orbit::{Family, Member, OrbitChange, Peak, Threshold};
 use crate::run::written;
 
 /// Prints a family.
@@ -46,6 +46,18 @@ pub fn report(loaded: &Loaded, family: &Family, options: &ArgMatches, out: &mut 
         let error = if threshold.error.is_nan() { f64::INFINITY } else { threshold.error };
         writeln!(out, "{:<14} {} = {}: {what}", threshold.kind.word(), family.name, written(threshold.value, error))?;
     }
+    for peak in &family.peaks {
+        let error = if peak.error.is_nan() { f64::INFINITY } else { peak.error };
+        let value = written(peak.value, error);
+        writeln!(
+            out,
+            "{:<14} {} = {value}: `{}` goes farthest, {}",
+            "peak",
+            family.name,
+            peak.of,
+            short(peak.amplitude)
+        )?;
+    }
     if let Some(why) = &family.ended {
         writeln!(out, "ended          {why}")?;
     }
@@ -74,12 +86,22 @@ fn as_json(loaded: &Loaded, family: &Family) -> Json {
             "member": member(&threshold.member),
         })
     };
+    let peak = |peak: &Peak| {
+        json!({
+            "of": peak.of,
+            "value": number(peak.value),
+            "error": number(peak.error),
+            "amplitude": number(peak.amplitude),
+            "member": member(&peak.member),
+        })
+    };
     object([
         ("model", json!(loaded.name)),
         ("varies", json!(family.name)),
         ("map", json!({"part": family.part, "does": family.map})),
         ("members", Json::Array(family.members.iter().map(member).collect())),
         ("thresholds", Json::Array(family.thresholds.iter().map(threshold).collect())),
+        ("peaks", Json::Array(family.peaks.iter().map(peak).collect())),
         ("ended", json!(family.ended)),
     ])
 }

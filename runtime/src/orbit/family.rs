@@ -22,6 +22,8 @@ pub struct Family {
     pub members: Vec<Member>,
     /// Where a multiplier crosses the unit circle, or the family turns back.
     pub thresholds: Vec<Threshold>,
+    /// Where amplitudes of driven motions are greatest.
+    pub peaks: Vec<Peak>,
     /// The smallest map that closes them is that of this part of the period.
     pub part: usize,
     /// What that map exchanges, mirrors and shifts.
@@ -60,6 +62,22 @@ pub struct Threshold {
     pub value: f64,
     /// Twice the difference that more accurate flows make.
     pub error: f64,
+    /// The motion there.
+    pub member: Member,
+}
+
+/// Where a coordinate goes farther than in all motions near by.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Peak {
+    /// The coordinate.
+    pub of: String,
+    /// The value at which it does, and its error.
+    pub value: f64,
+    /// Twice the difference that more accurate flows make.
+    pub error: f64,
+    /// How far it goes from its middle.
+    pub amplitude: f64,
     /// The motion there.
     pub member: Member,
 }

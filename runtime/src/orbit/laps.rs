@@ -144,8 +144,7 @@ impl Laps {
     }
 
     pub fn parameter_scale(&self, point: &Point) -> f64 {
-        let size = point.parameter.abs().max(self.parameter_size);
-        if size == 0.0 { 1.0 } else { size }
+        parameter_scale(point, self.parameter_size)
     }
 
     /// How long a lap takes at a point, s, and how that changes with the parameter.
@@ -495,6 +494,12 @@ impl Laps {
         let order = self.closing.order();
         all / self.laps as f64 * lcm(order, self.laps) as f64
     }
+}
+
+/// The unit in which a point's parameter is counted, with the least size beside which changes of it are small.
+pub(super) fn parameter_scale(point: &Point, least: f64) -> f64 {
+    let size = point.parameter.abs().max(least);
+    if size == 0.0 { 1.0 } else { size }
 }
 
 /// The steps of the longest piece.

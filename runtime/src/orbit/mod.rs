@@ -7,7 +7,7 @@
 //! 3. The smallest map that closes it: `smallest.rs`; directions that are known beforehand: `structure.rs`; multipliers of the rest, by the
 //!    periodic QR algorithm: `multipliers.rs`, `stability.rs`.
 //! 4. From the guess to what is told: `begun.rs`; what is found: `found.rs`; families of such motions: `family.rs`, and the walk along them with
-//!    branches: `walk.rs`; where they change: `thresholds.rs`; stability over two parameters:
+//!    branches: `walk.rs`; where they change: `thresholds.rs`, and where they answer most: `peaks.rs`; stability over two parameters:
 //!    `stability_map.rs`; pictures: `picture.rs`.
 
 mod begun;
@@ -18,6 +18,7 @@ mod found;
 mod guess;
 mod laps;
 mod multipliers;
+mod peaks;
 mod picture;
 mod search;
 mod smallest;
@@ -27,7 +28,7 @@ mod structure;
 mod thresholds;
 mod walk;
 
-pub use family::{Family, Member, OrbitChange, Threshold};
+pub use family::{Family, Member, OrbitChange, Peak, Threshold};
 pub use found::{Multiplier, Orbit};
 pub use search::OrbitSearch;
 pub use stability_map::{Boundary, BoundaryPoint, StabilityMap};

@@ -103,25 +103,41 @@ impl Walk {
 
     /// A threshold with its error: what a more accurate flow makes of the value, and of where along the family it is.
     pub fn threshold(&mut self, from: &Node, found: &Node, kind: OrbitChange) -> Threshold {
+        self.aside = usize::from(kind == OrbitChange::Branch);
+        let finer = self.finer(found);
+        self.aside = 0;
+        let along = (kind.measure(found) - kind.measure(from)) / (found.value - from.value);
+        let there = finer.as_ref().map_or(f64::NAN, |finer| kind.measure(finer));
+        // What the function is where it should be 0 is noise of motions; where a direction is left out, no less than that of changes.
+        let here = kind.measure(found);
+        let least = if kind == OrbitChange::Branch { found.spectrum.noise() } else { 0.0 };
+        let unsure = (there - here).abs() + here.abs().max(least);
+        let moved = if kind == OrbitChange::Fold { 0.0 } else { unsure / along.abs() };
+        let error = Walk::off((from, found, finer), moved);
+        Threshold { kind, value: found.value, error, member: self.member(found, false) }
+    }
+
+    /// A member as a more accurate flow has it.
+    ///
+    /// # Errors
+    /// Those of members.
+    pub fn finer(&mut self, found: &Node) -> Result<Node, Error> {
         self.begun.laps.scales.clone_from(&found.scales);
         let before = self.begun.laps.refine(&found.solution.trial);
-        self.aside = usize::from(kind == OrbitChange::Branch);
         let finer = self.node(found.solution.point.clone(), Some(&found.tangent));
-        self.aside = 0;
         self.begun.laps.settings = before;
-        let along = (kind.measure(found) - kind.measure(from)) / (found.value - from.value);
-        let error = finer.map_or(f64::NAN, |finer| {
-            // What the function is where it should be 0 is noise of motions; where a direction is left out, no less than that of changes.
-            let [here, there] = [found, &finer].map(|node| kind.measure(node));
-            let least = if kind == OrbitChange::Branch { found.spectrum.noise() } else { 0.0 };
-            let unsure = (there - here).abs() + here.abs().max(least);
-            let moved = if kind == OrbitChange::Fold { 0.0 } else { unsure / along.abs() };
+        finer
+    }
+
+    /// How far off the value of a member is that was located from another one, with what a more accurate flow makes of it, and by how much the
+    /// function by which it was located may move it.
+    pub fn off((from, found, finer): (&Node, &Node, Result<Node, Error>), moved: f64) -> f64 {
+        finer.map_or(f64::NAN, |finer| {
             // By what does not close, as along a direction that is left out, the motion is beside the family.
             let beside = found.slope.abs() * found.solution.trial.r.norm();
             let located = (SAME * (found.value - from.value).abs()).max(4.0 * f64::EPSILON * found.value.abs());
             (TOLD * ((finer.value - found.value).abs() + moved + beside)).max(located)
-        });
-        Threshold { kind, value: found.value, error, member: self.member(found, false) }
+        })
     }
 }
 

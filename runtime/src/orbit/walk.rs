@@ -203,6 +203,7 @@ impl Walk {
         let (mut family, later) = self.along(Walk::towards(again, last), name, &on);
         family.members = earlier.members.into_iter().skip(1).rev().chain(family.members).collect();
         family.thresholds = earlier.thresholds.into_iter().rev().chain(family.thresholds).collect();
+        family.peaks = earlier.peaks.into_iter().rev().chain(family.peaks).collect();
         family.ended = family.ended.or(earlier.ended);
         Ok((family, changes.into_iter().rev().chain(later).collect()))
     }
@@ -218,6 +219,7 @@ impl Walk {
             names: names[..2 * laps.n()].to_vec(),
             members: vec![self.member(&start, values.contains(&start.value))],
             thresholds: Vec::new(),
+            peaks: Vec::new(),
             part: lcm(laps.closing.order(), laps.laps) / laps.laps,
             map: laps.closing.words(laps.system.description()),
             ended: None,
@@ -295,6 +297,8 @@ impl Walk {
             between.push(threshold.member.clone());
             family.thresholds.push(threshold);
         }
+        let peaks = self.peaks(from, to, h)?.into_iter();
+        family.peaks.extend(peaks.filter(|peak| (low..=high).contains(&peak.value)));
         for value in values.iter().copied().filter(|value| (from.value - value) * (to.value - value) < 0.0) {
             let found = self.locate(from, (h, to), &|node: &Node| node.value - value)?;
             between.push(self.member(&found, true));
