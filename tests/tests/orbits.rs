@@ -131,6 +131,24 @@ fn the_peak_of_a_forced_response_is_told() {
     near(number(&peaks[0]["amplitude"]), 0.3 / (0.4 * 0.96_f64.sqrt()), 1e-10);
 }
 
+/// A force of amplitude 0 gives no period, and a damper of coefficient 0 takes no energy: x'' + x + x³ = 0 from x = 1 has the period
+/// 2π/agm(√2, √(3/2)), and the energy 3/4.
+#[test]
+fn what_is_multiplied_by_a_parameter_that_is_zero_does_not_act() {
+    let file = hardening();
+    let (mut a, mut b) = (2.0_f64.sqrt(), 1.5_f64.sqrt());
+    while (a - b).abs() > 1e-15 {
+        (a, b) = (0.5 * (a + b), (a * b).sqrt());
+    }
+    let free = [file.as_str(), "--set", "d=0", "--set", "f=0", "--start", "x=1"];
+    let found = told(&[&free[..], &["--energy", "0.75"]].concat()).unwrap();
+    holds(&found["period"], std::f64::consts::TAU / a, 1e-11);
+    near(number(&told(&free).unwrap()["energy"]), 0.75, 1e-2);
+    // One of both acts.
+    let refused = told(&[&free[..], &["--set", "d=0.1", "--energy", "0.75"]].concat()).unwrap_err();
+    assert!(refused.contains("does not keep its energy"), "{refused}");
+}
+
 /// Duffing's oscillator: the forced response turns back twice.
 #[test]
 fn a_forced_response_turns_back_where_the_reference_says() {

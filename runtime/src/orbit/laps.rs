@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::acting;
 use super::closing::{By, Closing};
 use super::drive::{self, Drive};
 use crate::error::{Error, NoOrbit};
@@ -311,7 +312,8 @@ impl Laps {
 
     /// Whether the mechanism keeps its energy.
     pub fn keeps_energy(&self) -> bool {
-        self.drive == Drive::None && self.system.description().structure.conservative
+        let start = [self.settings.q.as_slice(), &self.settings.v].concat();
+        self.drive == Drive::None && acting::keeps_energy(&*self.system, &start)
     }
 
     /// That the energy at the start is the one that is wanted, in a row.

@@ -3,13 +3,15 @@
 //! 1. [`Simulation::orbit`](crate::Simulation::orbit) begins an [`OrbitSearch`]: how the motion closes, and where to look: `search.rs`; guesses
 //!    come from a run's near returns or from a mode: `guess.rs`.
 //! 2. A motion closes when the image of its end is its start: `closing.rs`; it is cut into pieces that are run with their slopes, and found by
-//!    shortest Gauss-Newton steps: `laps.rs`.  What depends on time gives the period: `drive.rs`.
+//!    shortest Gauss-Newton steps: `laps.rs`.  What depends on time gives the period: `drive.rs`, where it acts:
+//!    `acting.rs`.
 //! 3. The smallest map that closes it: `smallest.rs`; directions that are known beforehand: `structure.rs`; multipliers of the rest, by the
 //!    periodic QR algorithm: `multipliers.rs`, `stability.rs`.
 //! 4. From the guess to what is told: `begun.rs`; what is found: `found.rs`; families of such motions: `family.rs`, and the walk along them with
 //!    branches: `walk.rs`; where they change: `thresholds.rs`, and where they answer most: `peaks.rs`; stability over two parameters:
 //!    `stability_map.rs`; pictures: `picture.rs`.
 
+mod acting;
 mod begun;
 mod closing;
 mod drive;

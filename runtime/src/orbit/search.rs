@@ -8,7 +8,7 @@ use super::drive::Drive;
 use super::found::Orbit;
 use super::guess::{first_run, states_of};
 use super::laps::{Laps, Time};
-use super::{guess, structure};
+use super::{acting, guess, structure};
 use crate::error::{Error, NoOrbit};
 use crate::linear::has_dependent_coordinates;
 use crate::mechanism::{Action, Closes, Description, Goal, System};
@@ -198,8 +198,7 @@ impl OrbitSearch {
             Err(_) => Closing::default(),
         };
         let (mut system, mut settings) = self.start()?;
-        // Where nothing is known of time the mechanism was written by hand, or time acts otherwise than by sines.
-        let timed = system.frequencies().is_none_or(|list| !list.is_empty());
+        let timed = acting::time_acts(&*system, &[settings.q.as_slice(), &settings.v].concat());
         let drive = if timed { Drive::of(&*system, self.period)? } else { Drive::None };
         let ModeStart { rest_energy, mut period } = self.begin_at_mode(&*system, &mut settings)?;
         let time = match (closing.by, timed) {

@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::acting;
 use crate::matrix::svd;
 use crate::mechanism::dense::{constraint_matrix, mass_matrix};
 use crate::mechanism::{Along, At, Function, System, rows_in_force};
@@ -33,8 +34,7 @@ pub(super) fn gradients(system: &dyn System, side: &Side, shifts: &[(String, DVe
             |k: usize| if count == 1 { name.to_owned() } else { format!("{name}.{}", ["x", "y", "z"][k.min(2)]) };
         names.extend((0..count).map(part));
     };
-    let conservative = description.structure.conservative && description.time_pattern.is_empty();
-    let conservative = conservative && !description.invariants.iter().any(|quantity| quantity.name == ENERGY);
+    let conservative = acting::keeps_energy_unsaid(system, &side.y);
     if conservative {
         of(ENERGY, 1);
     }
@@ -80,12 +80,13 @@ pub(super) fn conserving(
     shifts: Vec<(String, DVector<f64>)>,
 ) -> Vec<(String, DVector<f64>)> {
     let structure = &system.description().structure;
+    let keeps_energy = acting::keeps_energy(system, &side.y);
     let n = system.len();
     let active: Vec<usize> = rows_in_force(system).collect();
     let j = constraint_matrix(system, At::place(side.t, &side.y[..n]), &active);
     let cyclic = |k: usize| structure.cyclic.iter().any(|cyclic| *cyclic as usize == k);
     let conserves = |shift: &DVector<f64>| {
-        let free = structure.conservative || shift.iter().enumerate().all(|(k, x)| *x == 0.0 || cyclic(k));
+        let free = keeps_energy || shift.iter().enumerate().all(|(k, x)| *x == 0.0 || cyclic(k));
         free && (&j * shift).iter().zip(j.row_iter()).all(|(along, row)| along.abs() <= CONTAINED * row.norm())
     };
     shifts.into_iter().filter(|(_, shift)| conserves(shift)).collect()
