@@ -558,3 +558,13 @@ fn a_motion_that_turns_round_at_rest_begins_there() {
     }
 }
 
+/// Motions that shrink to rest under a drive are rest, with its multipliers.
+#[test]
+fn what_shrinks_to_rest_under_a_drive_rests() {
+    let rest = told(&["shaken_pendulum", "--here", "--start", "theta=0"]).unwrap();
+    let found = told(&["shaken_pendulum", "--start", "theta=0.1"]).unwrap();
+    assert_eq!(number(&found["start"]["theta"]["value"]), 0.0);
+    for k in 0..2 {
+        near(number(&found["multipliers"][k]["re"]), number(&rest["multipliers"][k]["re"]), 1e-9);
+    }
+}

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::closing::{By, Closing, Difference};
 use super::family::BETWEEN;
 use super::found::Orbit;
-use super::guess::{begin_at, sizes_of_pieces, states_of};
+use super::guess::{self, begin_at, sizes_of_pieces, states_of};
 use super::laps::{Laps, Point, Solution, Time, itinerary, lcm};
 use super::smallest::{self, FOLLOWS, WithPeriod};
 use super::stability::{Spectrum, beside, spectrum};
@@ -134,9 +134,12 @@ impl Begun {
 
     /// A solution by the smallest map that closes it, in pieces short enough for its multipliers.
     pub fn smallest(&mut self, solution: Solution) -> Result<(Solution, Spectrum), Error> {
-        let mut steps = solution.steps;
         self.at_rest(&solution)?;
-        let mut solution = self.in_own_scales(solution)?;
+        let mut solution = match self.rest_near(&solution)? {
+            Some(rest) => rest,
+            None => self.in_own_scales(solution)?,
+        };
+        let mut steps = solution.steps;
         if let Some(smaller) = self.reduce(&solution)? {
             steps += smaller.steps;
             solution = smaller;
@@ -157,6 +160,26 @@ impl Begun {
         }
         solution.steps = steps;
         Ok((solution, found))
+    }
+
+    /// The rest to which a driven motion has shrunk, if the mechanism does rest there: beside nothing but itself any motion is large.
+    fn rest_near(&mut self, solution: &Solution) -> Result<Option<Solution>, Error> {
+        if self.laps.time != Time::Driven || self.goes(solution) > SHRUNK {
+            return Ok(None);
+        }
+        let n = self.laps.n();
+        let near = &solution.point.starts[0];
+        let place = |i: usize| if near[i].abs() <= SHRUNK * self.laps.scales[i] { 0.0 } else { near[i] };
+        let start: Vec<f64> = (0..2 * n).map(|i| if i < n { place(i) } else { 0.0 }).collect();
+        let point = Point { starts: vec![start; solution.point.starts.len()], ..solution.point.clone() };
+        let Ok(trial) = self.laps.try_at(&point, self.laps.settings.tolerance) else { return Ok(None) };
+        let pieces: Vec<&Run> = trial.pieces.iter().map(|piece| &piece.run).collect();
+        if !guess::rests(&pieces) {
+            return Ok(None);
+        }
+        self.laps.scales = sizes_of_pieces(&pieces);
+        let rest = self.laps.solve(point, None)?;
+        Ok(Some(Solution { steps: solution.steps + rest.steps, ..rest }))
     }
 
     /// Refuses a motion that has shrunk to rest, where nothing drives it: rest under a drive may be stable or not.

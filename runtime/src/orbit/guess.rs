@@ -260,27 +260,38 @@ pub(super) fn sizes(run: &Run) -> Vec<f64> {
     sizes_of_pieces(&[run])
 }
 
-/// The same of a motion in pieces.
+/// The range of a number of [q; q'] along a motion in pieces, and the size beside which it may be rounding.
+fn range_of_pieces(pieces: &[&Run], i: usize) -> (f64, f64) {
+    let Some(run) = pieces.first() else { return (0.0, 0.0) };
+    let width = 2 * run.description.coordinates.len();
+    let values = pieces.iter().flat_map(|run| run.rows.chunks_exact(width)).map(|row| row[i]);
+    let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
+    // Rounding of a number of a quaternion is that of its length, which is 1.
+    let is_of_rotation =
+        run.description.rotations.iter().any(|first| (*first as usize..*first as usize + 4).contains(&i));
+    (high - low, high.abs().max(low.abs()).max(f64::from(u8::from(is_of_rotation))))
+}
+
+/// Whether a coordinate moves by no more than rounding along a motion in pieces.
+fn coordinate_rests(pieces: &[&Run], i: usize) -> bool {
+    let (range, largest) = range_of_pieces(pieces, i);
+    range <= RESTS * largest
+}
+
+/// Whether all coordinates do.
+pub(super) fn rests(pieces: &[&Run]) -> bool {
+    pieces.first().is_some_and(|run| (0..run.description.coordinates.len()).all(|i| coordinate_rests(pieces, i)))
+}
+
+/// How far coordinates of one unit go, and rates, in a motion in pieces.
 pub(super) fn sizes_of_pieces(pieces: &[&Run]) -> Vec<f64> {
     let Some(run) = pieces.first() else { return Vec::new() };
     let coordinates = &run.description.coordinates;
     let n = coordinates.len();
     let range = |i: usize| {
-        let values = pieces.iter().flat_map(|run| run.rows.chunks_exact(2 * n)).map(|row| row[i]);
-        let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
-        // Rounding of a number of a quaternion is that of its length, which is 1.
-        let is_of_rotation =
-            run.description.rotations.iter().any(|first| (*first as usize..*first as usize + 4).contains(&i));
-        (high - low, high.abs().max(low.abs()).max(f64::from(u8::from(is_of_rotation))))
-    };
-    // What moves by no more than rounding rests, and so does its rate.
-    let rests = |i: usize| {
-        let (range, largest) = range(i);
-        range <= RESTS * largest
-    };
-    let range = |i: usize| {
-        let (range, largest) = range(i);
-        match rests(i % n) {
+        let (range, largest) = range_of_pieces(pieces, i);
+        // What rests has a rate of rounding too.
+        match coordinate_rests(pieces, i % n) {
             true => 0.0,
             // A rate that stays as it is has the size of itself.
             false if i >= n && range <= STEADY * largest => largest,
