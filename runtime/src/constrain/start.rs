@@ -389,12 +389,20 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
         // Nor are rates of what moves a constraint known better than from where, as where they turn back.
         let placed =
             constraint_rate_jacobian(self.system, At::packed(self.t, y, n), &self.rows).abs() * sizes * ROUNDING;
+        // Nor is a rate that time makes known better beside those that it has elsewhere, as where it turns back: places c that go as w² c go as fast as
+        // √(c·w² c) at the most.
+        let mut bias = vec![0.0; triples.len()];
+        self.system.constraint_bias(At::packed(self.t, y, n), &mut bias);
+        let timed = |row: usize| match self.holonomic.contains(&row) {
+            true => (triples[row][2] * bias[row].abs()).sqrt() * ROUNDING,
+            false => 0.0,
+        };
         for (k, row) in self.rows.iter().enumerate() {
             let [_, residual, own] = triples[*row];
             // A row of speeds knows what cancels in it.
             let cancels = if self.system.description().rows[*row].holonomic { 0.0 } else { ROUNDED * own };
             let negligible = (MISSED * terms[k]).max(ROUNDED * quick * eased(k)).max(nothing[k]).max(placed[k]);
-            let negligible = negligible.max(cancels);
+            let negligible = negligible.max(cancels).max(timed(*row));
             if residual.abs() > negligible || residual.is_nan() {
                 return Err(Cause::StartMissesConstraint { constraint: self.name(*row), residual }.into());
             }

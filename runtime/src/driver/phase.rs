@@ -70,6 +70,11 @@ impl Impacts {
         self.of[event].note(t)
     }
 
+    /// Whether one of an event was noted since they began anew.
+    fn has(&self, event: usize) -> bool {
+        self.of.get(event).is_some_and(|zeno| zeno.last.is_some())
+    }
+
     /// Begins anew with those of an event.
     pub fn forget(&mut self, event: usize) {
         self.of.get_mut(event).into_iter().for_each(|zeno| *zeno = ZenoDetector::default());
@@ -294,10 +299,12 @@ impl Integration {
         let (q, v) = self.stepper.state_mut().split_at_mut(n);
         q.iter_mut().zip(v.iter().zip(&jump)).for_each(|(q, (v, jump))| *q += left * (v + jump));
         self.clock.set(end);
-        self.impacts.forget(event);
         if left > 0.0 {
             recorder.accumulated(system, event, end);
+        } else if self.impacts.has(event) {
+            recorder.sinks();
         }
+        self.impacts.forget(event);
         self.enter(system, phase, known, recorder)?;
         self.carry(system, left);
         Ok(true)

@@ -116,7 +116,11 @@ impl fmt::Display for NoSlopes {
             NoSlopes::Rests { t, switch } => {
                 write!(f, "the motion rests from t = {t} s where a force jumps (`{switch}` = 0); write it as `friction`, or rest as a phase")
             }
-            NoSlopes::ImpactsAccumulate { t } => write!(f, "impacts accumulate at t = {t} s"),
+            NoSlopes::ImpactsAccumulate { t } => write!(
+                f,
+                "impacts accumulate at t = {t} s, where the contact rests, and the slopes of that are not known yet; two runs with --set tell a \
+                 difference"
+            ),
             NoSlopes::Rebounds { t } => write!(
                 f,
                 "contacts rebound or slip in an impact at t = {t} s, and the slopes of that are not known yet; two runs with --set tell a \

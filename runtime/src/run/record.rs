@@ -432,6 +432,13 @@ impl Recorder {
         }
     }
 
+    /// Notes that impacts have become so small that rounding alone ends them.
+    pub fn sinks(&mut self) {
+        if let Some(junctions) = &mut self.junctions {
+            junctions.accumulates();
+        }
+    }
+
     /// Notes that the impacts of an event accumulate, and when.
     pub fn accumulated(&mut self, system: &dyn System, event: usize, t: f64) {
         let event = system.description().events[event].name.to_string();
