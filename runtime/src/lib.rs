@@ -85,7 +85,7 @@ pub use constrain::Residuals;
 pub use dalembert_macros::model;
 #[doc(hidden)]
 pub use dalembert_mechanism::generated_for;
-pub use error::{Error, Inseparable, NoOrbit, NoSlopes, Nonlinear, NotFound, Unsteppable};
+pub use error::{Error, Inseparable, NearReturn, NoOrbit, NoSlopes, Nonlinear, NotFound, Unsteppable};
 pub use mechanism::{Enforcement, Method, ParseMethodError, Stabilisation};
 pub use run::{
     ContactHistory, Digits, Failure, Impulse, Occurrence, Overlap, Run, RunPart, State, SteppedContact, SteppedOver,

@@ -557,6 +557,14 @@ fn what_does_not_close_is_said_to_be_so() {
     assert!(refused.contains("does not move alike"), "{refused}");
     let refused = told(&["double_pendulum", "--from", "mode 3"]).unwrap_err();
     assert!(refused.contains("no mode 3"), "{refused}");
+    // A search that does not end at a motion says where it ended, and what the run does instead.
+    let state = written("");
+    let refused = told(&["figure_eight", "--period", "3.16", "--save", &state]).unwrap_err();
+    assert!(
+        refused.contains("comes nearest to its own states again: to that of t = 0.000000 s after 6.32"),
+        "{refused}"
+    );
+    assert!(std::fs::read_to_string(state).expect("a state").contains("\"x[1]'\": "));
 }
 
 /// Between two states that reverse time a motion begins at one: at rest, where that is said.  All motions of a linear oscillator have 2π.

@@ -12,13 +12,13 @@ use super::plotted::parts;
 use super::set_up::{Reader, for_search, motion_index, parameter_index};
 use super::sweep::points;
 use super::{Context, Problem, families, outputs, stability_maps, value_files};
-use crate::Error;
+use crate::error::{Error, NearReturn, NoOrbit, StuckInWords};
 use crate::find::Value;
 use crate::mechanism::Goal;
 use crate::numbers::{counted, spaced};
 use crate::orbit::{Family, Multiplier, Orbit, OrbitSearch, StabilityMap};
 use crate::run::written;
-use crate::show::has_units;
+use crate::show::{has_units, unit};
 
 /// Searches, and prints what was found.
 pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
@@ -30,7 +30,10 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     };
     let search = described(search, &loaded, options)?;
     if let Some(text) = options.get_one::<String>("vary") {
-        let family = varied(search, &loaded, options, text)?;
+        let family = match varied(search, &loaded, options, text)? {
+            Ok(family) => family,
+            Err(error) => return Err(failed(&loaded, &error, options, out)?),
+        };
         if let Some(path) = options.get_one::<String>("plot") {
             outputs::draw(path, family.figure())?;
         }
@@ -47,8 +50,40 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     }
     match search.find() {
         Ok(orbit) => report(&loaded, &orbit, options, out),
-        Err(error) => Err(problem(&error)),
+        Err(error) => Err(failed(&loaded, &error, options, out)?),
     }
+}
+
+/// What is said of a search that failed: where it ended is saved, and JSON has all that is known there.
+fn failed(loaded: &Loaded, error: &Error, options: &ArgMatches, out: &mut dyn Write) -> Result<Problem, Problem> {
+    let Error::NoOrbit(why) = error else { return Ok(problem(error)) };
+    let (start, residuals, returns) = match &**why {
+        NoOrbit::Stuck { start, residuals, returns } => (start, &residuals[..], &returns[..]),
+        NoOrbit::Interrupted { start } => (start, &[][..], &[][..]),
+        _ => return Ok(problem(error)),
+    };
+    if let Some(path) = options.get_one::<String>("save") {
+        outputs::write(path, value_files::guessed_state(&loaded.name, start))?;
+    }
+    let listed = |list: &[(String, f64)]| {
+        let one = |(name, value): &(String, f64)| {
+            format!("{name} = {value:.6e}{}", spaced(&unit(loaded.system.description(), name)))
+        };
+        list.iter().map(one).collect::<Vec<_>>().join(", ")
+    };
+    let words = StuckInWords { start: &listed(start), residuals: &listed(residuals), returns }.to_string();
+    let problem = if residuals.is_empty() { problem(error) } else { Problem::Run(words) };
+    if options.get_flag("json") {
+        let numbers = |list: &[(String, f64)]| object(list.iter().map(|(name, value)| (name.clone(), number(*value))));
+        let near = |near: &NearReturn| json!({"t": number(near.t), "after": number(near.after), "distance": number(near.distance)});
+        let failed = json!({
+            "start": numbers(start),
+            "residuals": numbers(residuals),
+            "near_returns": returns.iter().map(near).collect::<Vec<Json>>(),
+        });
+        super::json::write(&object([("error", problem.as_json()), ("failed", failed)]), out)?;
+    }
+    Ok(problem)
 }
 
 /// Says that what was printed is not all that was wanted.
@@ -61,12 +96,15 @@ fn asked(search: OrbitSearch, loaded: &Loaded, place: usize) -> Result<OrbitSear
     let motion = &loaded.system.motions()[place];
     match &motion.goal {
         Goal::Closes(closes) => Ok(search.asking(place, closes)),
-        _ => Err(Problem::usage(format!("{}", crate::NoOrbit::ClosesNot { motion: motion.name.to_string() }))),
+        _ => Err(Problem::usage(format!("{}", NoOrbit::ClosesNot { motion: motion.name.to_string() }))),
     }
 }
 
+/// A family, or why there is none; a problem with what was asked.
+type Varied = Result<Result<Family, Error>, Problem>;
+
 /// Follows the family that `--vary` names: `NAME=A..B`, `NAME=A,B,C`, of the energy also `energy=..B`.
-fn varied(search: OrbitSearch, loaded: &Loaded, options: &ArgMatches, text: &str) -> Result<Family, Problem> {
+fn varied(search: OrbitSearch, loaded: &Loaded, options: &ArgMatches, text: &str) -> Varied {
     let usage = || Problem::usage(format!("--vary wants NAME=A..B or NAME=A,B,C, not `{text}`"));
     let (name, range) = text.split_once('=').ok_or_else(usage)?;
     let name = name.trim();
@@ -86,7 +124,7 @@ fn varied(search: OrbitSearch, loaded: &Loaded, options: &ArgMatches, text: &str
         None => range.split(',').map(&mut value).collect::<Result<_, _>>()?,
     };
     let branch = options.get_one::<u64>("branch").map(|number| *number as usize);
-    search.vary(name, &values, branch).map_err(|error| problem(&error))
+    Ok(search.vary(name, &values, branch))
 }
 
 /// The stability over the two parameters that `--map` names: `A=FROM..TO:COUNT,B=FROM..TO:COUNT`, or lists.

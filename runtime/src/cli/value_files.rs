@@ -172,6 +172,15 @@ pub fn state(run: &Run, changed: &[(String, f64)]) -> String {
     text
 }
 
+/// A start to which a search had come.
+pub fn guessed_state(name: &str, start: &[(String, f64)]) -> String {
+    let mut text = format!("# {name}, where a search ended, SI units\nt: 0\n");
+    for (name, value) in start {
+        let _ = writeln!(text, "\"{name}\": {value}");
+    }
+    text
+}
+
 /// The first one.
 pub fn start_state(run: &Run, changed: &[(String, f64)]) -> String {
     written(run, (&run.first(), run.phases.first()), changed)

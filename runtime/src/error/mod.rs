@@ -10,7 +10,9 @@ use std::sync::Arc;
 use std::{fmt, io};
 
 pub use linear::{LinearError, Residual};
-pub use no_orbit::NoOrbit;
+#[cfg(feature = "cli")]
+pub(crate) use no_orbit::StuckInWords;
+pub use no_orbit::{NearReturn, NoOrbit};
 pub use no_slopes::NoSlopes;
 pub use not_found::NotFound;
 

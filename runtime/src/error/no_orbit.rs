@@ -120,7 +120,58 @@ pub enum NoOrbit {
         residuals: Vec<(String, f64)>,
         /// The start there.
         start: Vec<(String, f64)>,
+        /// Where the run that was described comes near to states of its own again, the nearest first.
+        returns: Vec<NearReturn>,
     },
+}
+
+/// A state that a run comes near to again.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct NearReturn {
+    /// When it is there first, s.
+    pub t: f64,
+    /// After how long it is nearest again, s.
+    pub after: f64,
+    /// How near, as a part of the farthest that it goes from it.
+    pub distance: f64,
+}
+
+impl NearReturn {
+    pub(crate) fn new(t: f64, after: f64, distance: f64) -> NearReturn {
+        NearReturn { t, after, distance }
+    }
+}
+
+/// What is said of a search that does not get nearer.
+pub(crate) struct StuckInWords<'a> {
+    /// The start, and what the motion misses by, listed.
+    pub start: &'a str,
+    pub residuals: &'a str,
+    pub returns: &'a [NearReturn],
+}
+
+impl fmt::Display for StuckInWords<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let StuckInWords { start, residuals, returns } = self;
+        write!(
+            f,
+            "the search does not get nearer than a start at {start}, from which the motion misses by {residuals}"
+        )?;
+        let parts = returns.iter().map(|NearReturn { t, after, distance }| {
+            format!("to that of t = {t:.6} s after {after:.6} s, by {distance:.2e} of how far it goes from it")
+        });
+        match parts.collect::<Vec<_>>() {
+            parts if parts.is_empty() => {
+                f.write_str("; the run that was described comes near to none of its states again")
+            }
+            parts => write!(
+                f,
+                "; the run that was described comes nearest to its own states again: {}",
+                parts.join(", and ")
+            ),
+        }
+    }
 }
 
 impl fmt::Display for NoOrbit {
@@ -200,12 +251,10 @@ impl fmt::Display for NoOrbit {
             NoOrbit::NoThreshold { number, known } => {
                 write!(f, "the family has no threshold {number}: there are {known}")
             }
-            NoOrbit::Stuck { residuals, start } => write!(
-                f,
-                "the search does not get nearer than a start at {}, from which the motion misses by {}",
-                Listed(start),
-                Listed(residuals)
-            ),
+            NoOrbit::Stuck { residuals, start, returns } => {
+                let [start, residuals] = [start, residuals].map(|list| Listed(list).to_string());
+                write!(f, "{}", StuckInWords { start: &start, residuals: &residuals, returns })
+            }
         }
     }
 }

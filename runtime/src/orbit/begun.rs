@@ -352,7 +352,8 @@ impl Begun {
         if open || returns > FOLLOWS * (grows * self.laps.laps as f64).exp() {
             let start = start.into_iter().map(|value| (value.name, value.value)).collect();
             let off = |(i, part): (usize, f64)| (names[i].clone(), part * self.laps.scales[i]);
-            return Err(NoOrbit::Stuck { residuals: missed.into_iter().map(off).collect(), start }.into());
+            let residuals = missed.into_iter().map(off).collect();
+            return Err(NoOrbit::Stuck { residuals, start, returns: Vec::new() }.into());
         }
         let (run, _) = self.plain(&solution, part * self.laps.laps)?;
         let laps = &self.laps;

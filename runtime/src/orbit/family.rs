@@ -1,7 +1,7 @@
 //! Motions that repeat, as a parameter or their energy varies.
 
 use super::found::{Multiplier, map_in_words};
-use super::search::OrbitSearch;
+use super::search::{OrbitSearch, with_returns};
 use super::structure;
 use super::walk::{Varied, Walk};
 use crate::error::{Error, NoOrbit};
@@ -130,14 +130,15 @@ impl OrbitSearch {
             Ok((system, ..)) => varied(&mut **system, name, first)?,
             Err(_) => Varied::Energy,
         };
+        let scene = self.scene();
         let mut begun = self.begin()?;
         if let Varied::Parameter(k) = varied {
             begun.elsewhere = sampled(values).map(|value| vec![(k, value)]).collect();
             begun.closes_elsewhere()?;
         }
         // The motion itself, by the smallest map that closes it and others.
-        let solution = begun.first()?;
-        let (solution, spectrum) = begun.smallest(solution)?;
+        let found = begun.first().and_then(|solution| begun.smallest(solution));
+        let (solution, spectrum) = found.map_err(|error| with_returns(error, scene))?;
         let mut point = solution.point.clone();
         match varied {
             Varied::Parameter(k) => {

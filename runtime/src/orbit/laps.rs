@@ -459,7 +459,7 @@ impl Laps {
         let missed = trial.r.iter().take(2 * n).zip(&self.scales).map(|(r, scale)| r * scale);
         let names = crate::run::Names::of(description).columns();
         let residuals = names.into_iter().zip(missed).collect();
-        NoOrbit::Stuck { residuals, start: self.start_of(point) }.into()
+        NoOrbit::Stuck { residuals, start: self.start_of(point), returns: Vec::new() }.into()
     }
 
     /// The first of a step's halves that passes the same events and makes the next step shorter, or else the first that does only that.

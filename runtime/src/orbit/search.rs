@@ -9,11 +9,11 @@ use super::found::Orbit;
 use super::guess::{first_run, states_of};
 use super::laps::{Laps, Time};
 use super::{acting, guess, structure};
-use crate::error::{Error, NoOrbit};
+use crate::error::{Error, NearReturn, NoOrbit};
 use crate::linear::has_dependent_coordinates;
 use crate::mechanism::{Action, Closes, Description, Goal, System};
 use crate::run::{Run, Side};
-use crate::simulate::{Described, Settings, Simulation};
+use crate::simulate::{Described, Settings, Simulation, simulate};
 
 /// A search that is being described: how a motion is to close, and where to look for one.
 ///
@@ -186,9 +186,19 @@ impl OrbitSearch {
     /// # Errors
     /// [`Error::NoOrbit`]; names that are unknown; what ends the first run early; [`Error::NoSlopes`].
     pub fn find(self) -> Result<Orbit, Error> {
-        let mut begun = self.begin()?;
-        let solution = begun.first()?;
-        begun.finish(solution)
+        let scene = self.scene();
+        let search = || {
+            let mut begun = self.begin()?;
+            let solution = begun.first()?;
+            begun.finish(solution)
+        };
+        search().map_err(|error| with_returns(error, scene))
+    }
+
+    /// The run that was described.
+    pub(super) fn scene(&self) -> Option<(Box<dyn System>, Settings)> {
+        let (system, settings, _) = self.described.as_ref().ok()?;
+        Some((system.boxed_clone(), settings.clone()))
     }
 
     /// The laps and a guess.
@@ -327,6 +337,18 @@ impl OrbitSearch {
         }
         Ok(closing)
     }
+}
+
+/// An error with what the run does that was described, where the search did not get nearer.
+pub(super) fn with_returns(error: Error, scene: Option<(Box<dyn System>, Settings)>) -> Error {
+    let Error::NoOrbit(why) = error else { return error };
+    let NoOrbit::Stuck { residuals, start, .. } = *why else { return Error::NoOrbit(why) };
+    let run = scene.and_then(|(mut system, settings)| {
+        simulate(&mut *system, &Settings { every: None, digits: false, apart: false, ..settings }).ok()
+    });
+    let returns = run.map_or_else(Vec::new, |run| guess::returns(&run, &guess::sizes(&run), &[]));
+    let near = |found: &guess::Return| NearReturn::new(found.t, found.period, found.distance);
+    NoOrbit::Stuck { residuals, start, returns: returns.iter().map(near).collect() }.into()
 }
 
 /// The momenta that a run begins with along shifts that change nothing and that its closing allows, where they are conserved.
