@@ -184,7 +184,7 @@ pub(super) fn first_run(
     system: &mut dyn System,
     settings: &mut Settings,
     closing: &Closing,
-    (period, timed): (Option<f64>, bool),
+    (period, may_settle): (Option<f64>, bool),
 ) -> Result<(Run, Vec<f64>, f64), Error> {
     let junctions = Settings { junctions: true, ..settings.clone() };
     if let By::After { event, .. } = closing.by {
@@ -196,7 +196,7 @@ pub(super) fn first_run(
     let By::Part(part) = closing.by else { return Err(NoOrbit::Rest.into()) };
     if let Some(period) = period {
         let lap = period / part as f64;
-        if timed {
+        if may_settle {
             settle(system, settings, (closing, lap))?;
         }
         let junctions = Settings { junctions: true, ..settings.clone() };

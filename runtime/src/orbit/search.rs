@@ -208,6 +208,7 @@ impl OrbitSearch {
             Err(_) => Closing::default(),
         };
         let (mut system, mut settings) = self.start()?;
+        let stated = self.period.is_some();
         let timed = acting::time_acts(&*system, &[settings.q.as_slice(), &settings.v].concat());
         let drive = if timed { Drive::of(&*system, self.period)? } else { Drive::None };
         let ModeStart { rest_energy, mut period } = self.begin_at_mode(&*system, &mut settings)?;
@@ -219,7 +220,9 @@ impl OrbitSearch {
         if time == Time::Driven {
             period = Some(drive.period(&*system)?);
         }
-        let (run, scales, lap) = first_run(&mut *system, &mut settings, &closing, (period, timed))?;
+        // With a period that is stated the motion that is looked for is the one nearest to the start.
+        let may_settle = timed && !stated;
+        let (run, scales, lap) = first_run(&mut *system, &mut settings, &closing, (period, may_settle))?;
         if self.mode.is_some() {
             let first = run.first();
             guess::begin_at(&mut settings, [first.q, first.v].concat());
