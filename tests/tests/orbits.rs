@@ -337,6 +337,7 @@ fn a_rimless_wheel_rolls_down() {
     holds(&found["period"], 2.0 * number(&known["step_time"]), 1e-11);
     assert_eq!(found["multipliers"].as_array().unwrap().len(), 1);
     near(number(&found["multipliers"][0]["re"]), number(&known["multiplier"]), 1e-11);
+    assert_eq!(found["map"]["does"], "exchanged: even for odd, odd for even; shifted: x; turned: phi by -0.125");
 }
 
 /// A ball that bounces once each time its table goes down and up: determinant e², trace 1 + e² + …, here by the reference's multipliers.

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use clap::ArgMatches;
 use dalembert_symbolic::diagnose::quoted;
-use dalembert_symbolic::model::Sets;
+use dalembert_symbolic::model::{Sets, cells_of};
 use serde_json::{Value as Json, json};
 
 use super::json::{number, object};
@@ -131,9 +131,9 @@ fn wanted(search: Search, options: &ArgMatches) -> Result<Search, Problem> {
 /// A table with a header; `columns` says which of its columns are time (`t=…`) and what is measured (`x=…`), else they have these names.
 fn record(path: &str, columns: Option<&str>) -> Result<Record, Problem> {
     let unread = |why: &dyn std::fmt::Display| Problem::File(format!("cannot read `{path}`: {why}"));
-    let mut reader =
-        csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_path(path).map_err(|e| unread(&e))?;
-    let header: Vec<String> = reader.headers().map_err(|e| unread(&e))?.iter().map(ToOwned::to_owned).collect();
+    let text = std::fs::read_to_string(path).map_err(|e| unread(&e))?;
+    let mut lines = cells_of(text.strip_prefix('\u{feff}').unwrap_or(&text));
+    let (_, header) = lines.next().ok_or_else(|| unread(&"it is empty"))?;
     let named: Vec<(String, String)> = match columns {
         Some(text) => {
             let pairs = parts(text).map(|pair| pair.split_once('=').unwrap_or((pair, pair)));
@@ -149,12 +149,11 @@ fn record(path: &str, columns: Option<&str>) -> Result<Record, Problem> {
         places.push((name.clone(), place));
     }
     let mut lists: Vec<Vec<f64>> = vec![Vec::new(); places.len()];
-    for (line, row) in reader.records().enumerate() {
-        let row = row.map_err(|e| unread(&e))?;
+    for (line, row) in lines {
         for (list, (name, place)) in lists.iter_mut().zip(&places) {
-            let text = row.get(*place).unwrap_or("");
+            let text = row.get(*place).map_or("", String::as_str);
             let value: f64 =
-                text.parse().map_err(|_| unread(&format!("`{text}` in row {} of `{name}` is no number", line + 1)))?;
+                text.parse().map_err(|_| unread(&format!("`{text}` in line {} of `{name}` is no number", line + 1)))?;
             list.push(value);
         }
     }

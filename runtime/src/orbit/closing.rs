@@ -1,6 +1,9 @@
 //! How a motion closes: the state at its end, taken to the start.
 
+use std::f64::consts::TAU;
+
 use crate::mechanism::{Action, At, Closes, ClosesBy, Description, Direction, Event, System};
+use crate::numbers::short;
 
 /// A map from the state at the end of a part of a motion to the state at its start, and when that part ends.
 ///
@@ -96,7 +99,7 @@ impl Closing {
     pub fn turn(&mut self, end: usize, turns: f64) {
         let start = self.source(end);
         let sign = if self.images[start].1 { -1.0 } else { 1.0 };
-        self.turns[start] = sign * turns * std::f64::consts::TAU;
+        self.turns[start] = sign * turns * TAU;
     }
 
     /// Whether nothing is exchanged or mirrored.
@@ -137,14 +140,13 @@ impl Closing {
     /// What it does, in the words of the model file.
     pub fn words(&self, description: &Description) -> String {
         let name = |i: usize| description.coordinates[i].name.to_string();
+        let phase = |k: usize| description.phases[k].name.to_string();
         let mut parts = Vec::new();
-        let moved: Vec<String> = self
-            .images
-            .iter()
-            .enumerate()
-            .filter(|(i, (k, _))| i != k)
-            .map(|(i, (k, _))| format!("{} for {}", name(*k), name(i)))
-            .collect();
+        let coordinates = self.images.iter().enumerate().filter(|(i, (k, _))| i != k);
+        let coordinates = coordinates.map(|(i, (k, _))| format!("{} for {}", name(*k), name(i)));
+        let phases = self.phases.iter().enumerate().filter(|(k, to)| k != *to);
+        let phases = phases.map(|(k, to)| format!("{} for {}", phase(k), phase(*to)));
+        let moved: Vec<String> = coordinates.chain(phases).collect();
         if !moved.is_empty() {
             parts.push(format!("exchanged: {}", moved.join(", ")));
         }
@@ -156,6 +158,11 @@ impl Closing {
         let shifted: Vec<String> = self.shifts.iter().map(|i| name(*i)).collect();
         if !shifted.is_empty() {
             parts.push(format!("shifted: {}", shifted.join(", ")));
+        }
+        let turns = self.turns.iter().enumerate().filter(|(_, turn)| **turn != 0.0);
+        let turned: Vec<String> = turns.map(|(i, turn)| format!("{} by {}", name(i), short(turn / TAU))).collect();
+        if !turned.is_empty() {
+            parts.push(format!("turned: {}", turned.join(", ")));
         }
         parts.join("; ")
     }

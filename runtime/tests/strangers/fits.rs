@@ -22,6 +22,12 @@ fn fitted(record: &str, tolerance: &str) -> String {
     program(&[&["solve", model, "--fit", table], &unknown[..]].concat()).unwrap()
 }
 
+/// A table with semicolons is read as in `motions`.
+#[test]
+fn records_with_semicolons_were_refused() {
+    assert_eq!(fitted(&NOISY.replace(',', " ; "), "1e-9"), fitted(NOISY, "1e-9"));
+}
+
 /// True where a number that is printed is the exact one to its last digit.
 fn holds(printed: &str, exact: f64) -> bool {
     let places = printed.split('.').nth(1).map_or(0, |decimals| decimals.len() as i32);

@@ -35,6 +35,7 @@ pub use rotation::{Orientation, Quaternion, Rotation, Stage, product};
 pub use section::inertia::{Impossible, impossible_moments, principal_moments};
 pub use section::scenes::looks_like_degrees;
 pub(crate) use section::springs::LENGTH;
+pub use section::tables::cells_of;
 pub(crate) use text::text_in;
 pub use text::{number_text, rate_name, symbol_text, text};
 pub use ways::{Way, Ways};

@@ -279,6 +279,20 @@ fn separator<'a>(mut lines: impl Iterator<Item = &'a str> + Clone) -> Option<cha
     }
 }
 
+/// The cells of the lines of a table of text, with the place of each line; lines that are empty or begin with `#` are none.
+pub fn cells_of(text: &str) -> impl Iterator<Item = (usize, Vec<String>)> {
+    let told = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
+    let separator = separator(told.clone().map(|(_, line)| line));
+    let cells = move |line: &str| -> Vec<String> {
+        let cells: Vec<&str> = match separator {
+            Some(separator) => line.split(separator).collect(),
+            None => line.split_whitespace().collect(),
+        };
+        cells.into_iter().map(|cell| cell.trim().trim_matches('"').to_owned()).collect()
+    };
+    told.map(move |(place, line)| (place, cells(line)))
+}
+
 /// A number with a comma in the place of the point: `0,5`.
 fn has_decimal_comma(cell: &str) -> bool {
     cell.matches(',').count() == 1 && cell.replace(',', ".").parse::<f64>().is_ok()
@@ -286,20 +300,11 @@ fn has_decimal_comma(cell: &str) -> bool {
 
 /// Columns of a table of text: the first ones, or those of these names.
 pub(super) fn columns_of<const N: usize>(text: &str, names: Option<[&str; N]>) -> Result<Vec<[f64; N]>, String> {
-    let told = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
-    let separator = separator(told.clone().map(|(_, line)| line));
-    let cells = |line: &str| -> Vec<String> {
-        let cells: Vec<&str> = match separator {
-            Some(separator) => line.split(separator).collect(),
-            None => line.split_whitespace().collect(),
-        };
-        cells.into_iter().map(|cell| cell.trim().trim_matches('"').to_owned()).collect()
-    };
-    let mut lines = told.peekable();
+    let mut lines = cells_of(text).peekable();
     let number = |cell: &str| cell.parse::<f64>().ok().filter(|x| x.is_finite());
     let mut places: [usize; N] = std::array::from_fn(|place| place);
     let named = |cells: &Vec<String>| cells.iter().all(|cell| number(cell).is_none() && !has_decimal_comma(cell));
-    let header = lines.peek().map(|(_, line)| cells(line)).filter(named);
+    let header = lines.peek().map(|(_, cells)| cells.clone()).filter(named);
     if header.is_some() {
         lines.next();
     }
@@ -310,8 +315,7 @@ pub(super) fn columns_of<const N: usize>(text: &str, names: Option<[&str; N]>) -
             *place = found.ok_or_else(|| format!("no column is called `{name}`; there are {}", header.join(", ")))?;
         }
     }
-    let point = |(line, text): (usize, &str)| {
-        let cells = cells(text);
+    let point = |(line, cells): (usize, Vec<String>)| {
         let at = |place: usize| {
             let cell = cells.get(place).ok_or_else(|| format!("line {} has {} columns", line + 1, cells.len()))?;
             number(cell).ok_or_else(|| match has_decimal_comma(cell) {
