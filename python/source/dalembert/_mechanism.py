@@ -525,7 +525,8 @@ class Mechanism:
                 save=save,
                 json=True,
             )
-            return Report(self._answer("solve", given))
+            text, svg = self._drawn("solve", given, "plot", "solve.svg")
+            return Report(text, Figure(svg))
 
     def equations(
         self,

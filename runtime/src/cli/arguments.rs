@@ -260,6 +260,7 @@ fn solve() -> Command {
         .arg(value("method", "METHOD", "As of `simulate` [default: auto]"))
         .arg(value("max-steps", "COUNT", "No more steps than these [default: 10000000]").value_parser(clap::value_parser!(u64)))
         .arg(value("state", "FILE", "A state to start from, as --save writes it; --start goes before"))
+        .arg(picture("plot", "Draw what was wanted over time, with the points of a record and what is left of them"))
         .arg(value("save", "FILE", "Write the start that was found (.yaml, .yml, .txt): `simulate --state FILE` starts from it"))
         .arg(flag("json", "Print one JSON object"))
 }

@@ -20,7 +20,7 @@ use crate::run::plain;
 
 /// Searches, and prints what was found.
 pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
-    let (loaded, described) = for_search(context, options, &["save"])?;
+    let (loaded, described) = for_search(context, options, &["save", "plot"])?;
     let mut reader = Reader::default();
     let mut search = Search::of(Ok(described));
     if let Some(place) = motion_index(&loaded, options)? {
@@ -171,6 +171,9 @@ fn report(loaded: &Loaded, found: &Found, options: &ArgMatches, out: &mut dyn Wr
         let of = |name: &str| found.values.iter().find(|value| value.name == name);
         let changed = parameters.filter_map(|parameter| Some((parameter.name.to_string(), of(&parameter.name)?.value)));
         outputs::write(path, value_files::start_state(&found.run, &changed.collect::<Vec<_>>()))?;
+    }
+    if let Some(path) = options.get_one::<String>("plot") {
+        outputs::draw(path, found.figure())?;
     }
     if options.get_flag("json") {
         super::json::write(&as_json(loaded, found), out)?;

@@ -51,6 +51,8 @@ pub struct Fit {
     pub covariance: DMatrix<f64>,
     /// What is left: measured values less the motion's, column by column, SI.
     pub residuals: Vec<Vec<f64>>,
+    /// The record.
+    pub record: Record,
 }
 
 /// Least squares of a record.
@@ -94,6 +96,7 @@ pub(super) fn fit(seeker: &mut Seeker, guess: &[f64], record: &Record, places: &
         uncertain,
         covariance,
         residuals: left.collect(),
+        record: record.clone(),
     };
     Ok(Found { fit: Some(fit), ..seeker.found(solution, errors) })
 }

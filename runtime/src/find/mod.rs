@@ -7,6 +7,7 @@
 //!    by Newton's steps on exact gradients: `extreme.rs`.
 //! 4. Where slopes vanish at a root, fewer digits hold: `multiple.rs`; how many hold at all: `errors.rs`.
 //! 5. What is found: `found.rs`; how well a record determines it: `fit.rs`; where residuals stay, by the slopes of the gradient: `least.rs`.
+//! 6. Pictures: `picture.rs`.
 
 mod asked;
 mod errors;
@@ -16,6 +17,7 @@ mod found;
 mod least;
 mod multiple;
 mod newton;
+mod picture;
 mod search;
 mod trial;
 

@@ -28,6 +28,23 @@ fn records_with_semicolons_were_refused() {
     assert_eq!(fitted(&NOISY.replace(',', " ; "), "1e-9"), fitted(NOISY, "1e-9"));
 }
 
+/// A fit is drawn with the 16 points of its record and, below, as many residuals.
+#[test]
+fn fits_were_not_drawn() {
+    let folder = folder("fits");
+    let [model, table, chart] = ["drawn.yaml", "drawn.csv", "drawn.svg"].map(|name| folder.join(name));
+    std::fs::write(&model, OSCILLATOR).expect("a file");
+    std::fs::write(&table, NOISY).expect("a file");
+    let [model, table, plot] = [&model, &table, &chart].map(|path| path.to_str().expect("a path"));
+    program(&["solve", model, "--fit", table, "--unknown", "k=4.2,c=0.1,x=0.12", "--plot", plot]).unwrap();
+    let svg = std::fs::read_to_string(chart).expect("a chart");
+    assert!(
+        svg.contains("residual of x") && svg.matches("<circle").count() >= 32,
+        "{}",
+        svg.matches("<circle").count()
+    );
+}
+
 /// True where a number that is printed is the exact one to its last digit.
 fn holds(printed: &str, exact: f64) -> bool {
     let places = printed.split('.').nth(1).map_or(0, |decimals| decimals.len() as i32);
