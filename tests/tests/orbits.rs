@@ -579,13 +579,18 @@ fn what_does_not_close_is_said_to_be_so() {
 fn a_motion_that_turns_round_at_rest_begins_there() {
     let file = written(
         "name: Turns\nparameters: {k: 1}\ncoordinates: {x: 1}\nkinetic_energy: x'^2/2\npotential_energy: k*x^2/2\n\
-         motions: {quarter: {closes: {part: 1/4, from: {}, to: {mirror: [x]}}, start: {x: 0.7}}}\n\
+         motions:\n  quarter: {closes: {part: 1/4, from: {}, to: {mirror: [x]}}, start: {x: 0.7}}\n\
+         \x20 half: {closes: {part: 1/2, from: {}, to: {}}, start: {x: 0.7}}\n\
          scene: {start: {x: 1}, until: 10, tolerance: 1e-12}\n",
     );
     let found = told(&[&file, "--motion", "quarter"]).unwrap();
     holds(&found["period"], std::f64::consts::TAU, 1e-12);
     near(number(&found["start"]["x"]["value"]), 0.7, 1e-12);
     near(number(&found["start"]["x'"]["value"]), 0.0, 1e-15);
+    // Between rest and rest, of which the smallest map is that of half a period.
+    let found = told(&[&file, "--motion", "half"]).unwrap();
+    near(number(&found["start"]["x"]["value"]), 0.7, 1e-12);
+    assert_eq!(found["map"]["part"], 2);
     let found = told(&["double_pendulum", "--motion", "brake"]).unwrap();
     for rate in ["theta1'", "theta2'"] {
         near(number(&found["start"][rate]["value"]), 0.0, 1e-12);

@@ -267,7 +267,8 @@ impl Begun {
         };
         let By::Part(part) = closing.by else { return Ok(None) };
         self.repeats = part / closing.order().min(part);
-        self.laps.closing = closing;
+        let reversed = std::mem::take(&mut self.laps.closing.reversed);
+        self.laps.closing = Closing { reversed, ..closing };
         self.laps.legs = if self.chosen { self.laps.legs } else { self.laps.legs.div_ceil(part).max(2) };
         let point = self.laps.along(&run, lap / part as f64)?;
         self.laps.solve(point, None).map(Some)

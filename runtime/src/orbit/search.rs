@@ -234,7 +234,7 @@ impl OrbitSearch {
         let known = may_close(&mut *system, &settings, (&closing, &run), if timed { lap } else { 0.0 })?;
         let acts = run.junctions.iter().any(|junction| !junction.events.is_empty());
         let legs = self.pieces(closing.by, acts);
-        let given = closing != Closing::period(system.description());
+        let given = Closing { reversed: Vec::new(), ..closing.clone() } != Closing::period(system.description());
         let energy = self.energy.map(|energy| energy + rest_energy);
         let momenta = if acts { Vec::new() } else { momenta(&mut *system, &settings, (&closing, &run), known) };
         let mut laps = Laps {
