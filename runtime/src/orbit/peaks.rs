@@ -180,7 +180,9 @@ impl Walk {
             let there = finer.as_ref().ok().and_then(|finer| Some(other?.slope(finer, i)));
             let changes = there.map_or(f64::NAN, |there| (there - left).abs());
             let along = (left - slope(from)) / (found.value - from.value);
-            let error = Walk::off((from, &found, finer), (changes + left.abs()) / along.abs());
+            // What is left of the slope is noise of changes.
+            let least = found.spectrum.noise() * found.scales[i];
+            let error = Walk::off((from, &found, finer), (changes + left.abs().max(least)) / along.abs());
             let of = self.begun.laps.system.description().coordinates[i].name.to_string();
             peaks.push(Peak { of, value: found.value, error, amplitude, member: self.member(&found, false) });
         }
