@@ -147,6 +147,11 @@ fn what_is_multiplied_by_a_parameter_that_is_zero_does_not_act() {
     // One of both acts.
     let refused = told(&[&free[..], &["--set", "d=0.1", "--energy", "0.75"]].concat()).unwrap_err();
     assert!(refused.contains("does not keep its energy"), "{refused}");
+    let refused = told(&[&file, "--set", "f=0"]).unwrap_err();
+    assert!(refused.contains("equilibrium"), "{refused}");
+    // A family may begin where what drives it is 0.
+    let found = told(&[&file, "--vary", "f=0,0.3"]).unwrap();
+    near(number(&found["members"].as_array().unwrap().last().unwrap()["value"]), 0.3, 1e-12);
 }
 
 /// Duffing's oscillator: the forced response turns back twice.

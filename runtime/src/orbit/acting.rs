@@ -1,6 +1,6 @@
-//! What acts with the present parameters: a force whose amplitude is 0 does not, nor does a damper whose coefficient is 0.
+//! What acts with the present parameters: a force whose amplitude is 0 does not, nor does a damper whose coefficient is 0.  A parameter that varies
+//! along a family counts as other than 0, so that all its members have one structure.
 
-use super::structure::ENERGY;
 use crate::mechanism::{Along, At, Function, System};
 
 /// States and times at which is looked whether something acts.  What a parameter that is 0 multiplies is exactly 0 at all of them; anything else that
@@ -8,24 +8,34 @@ use crate::mechanism::{Along, At, Function, System};
 const PLACES: usize = 64;
 
 /// Whether time acts.  Where nothing is known of it the mechanism was written by hand, or time acts otherwise than by sines.
-pub(super) fn time_acts(system: &dyn System, near: &[f64]) -> bool {
+pub(super) fn time_acts(system: &dyn System, varies: &[usize], near: &[f64]) -> bool {
     match system.frequencies() {
         None => true,
-        Some(list) => !list.is_empty() && !(has_zero(system) && everywhere(system, near, &is_timeless)),
+        Some(list) => {
+            let system = &*elsewhere(system, varies);
+            !list.is_empty() && !(has_zero(system) && everywhere(system, near, &is_timeless))
+        }
     }
 }
 
 /// Whether the energy, the Jacobi integral, stays as it is, since everything that acts has a potential in which time does not act.
-pub(super) fn keeps_energy(system: &dyn System, near: &[f64]) -> bool {
+pub(super) fn keeps_energy(system: &dyn System, varies: &[usize], near: &[f64]) -> bool {
+    let system = &*elsewhere(system, varies);
     let description = system.description();
     let said = description.structure.conservative && description.time_pattern.is_empty();
     let powerless = |system: &dyn System, at: At<'_>| system.energy(at).power == 0.0 && is_timeless(system, at);
     said || has_zero(system) && everywhere(system, near, &powerless)
 }
 
-/// Whether the energy is conserved and not said to be so by the file itself.
-pub(super) fn keeps_energy_unsaid(system: &dyn System, near: &[f64]) -> bool {
-    !system.description().invariants.iter().any(|quantity| quantity.name == ENERGY) && keeps_energy(system, near)
+/// The mechanism with other values than 0 of parameters that vary.
+fn elsewhere(system: &dyn System, varies: &[usize]) -> Box<dyn System> {
+    let mut elsewhere = system.boxed_clone();
+    for &place in varies {
+        if system.parameters().get(place) == Some(&0.0) {
+            elsewhere.set_parameter(place, 1.0);
+        }
+    }
+    elsewhere
 }
 
 /// Whether a parameter is 0: without any everything acts that the equations contain.

@@ -130,6 +130,9 @@ impl OrbitSearch {
             Ok((system, ..)) => varied(&mut **system, name, first)?,
             Err(_) => Varied::Energy,
         };
+        if let Varied::Parameter(k) = varied {
+            self.varies = vec![k];
+        }
         let scene = self.scene();
         let mut begun = self.begin()?;
         if let Varied::Parameter(k) = varied {

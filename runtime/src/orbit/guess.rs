@@ -210,7 +210,8 @@ pub(super) fn first_run(
     // A start that is said to be its own image with time reversed is one, and no state on the way is.
     let begins_here = |found: &Return| closing.reversed.is_empty() || found.t == run.first().t;
     let Some(found) = returns(&run, &scales, &closing.shifts).into_iter().find(begins_here) else {
-        return Err(NoOrbit::NoGuess { until }.into());
+        let why = if rests(&[&run]) { NoOrbit::Rest } else { NoOrbit::NoGuess { until } };
+        return Err(why.into());
     };
     let from = run.at(found.t).ok_or(NoOrbit::NoGuess { until })?;
     begin_at(settings, [from.q, from.v].concat());

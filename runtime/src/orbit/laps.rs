@@ -55,6 +55,8 @@ pub(super) struct Laps {
     pub legs: usize,
     /// A parameter that is unknown too.
     pub parameter: Option<usize>,
+    /// Parameters, by their places, that vary among motions that are looked for.
+    pub varies: Vec<usize>,
     /// The least size beside which changes of it are small: 0 is passed as any other value.
     pub parameter_size: f64,
     /// The Jacobi integral that is wanted at the start, J.
@@ -313,7 +315,7 @@ impl Laps {
     /// Whether the mechanism keeps its energy.
     pub fn keeps_energy(&self) -> bool {
         let start = [self.settings.q.as_slice(), &self.settings.v].concat();
-        self.drive == Drive::None && acting::keeps_energy(&*self.system, &start)
+        self.drive == Drive::None && acting::keeps_energy(&*self.system, &self.varies, &start)
     }
 
     /// That the energy at the start is the one that is wanted, in a row.

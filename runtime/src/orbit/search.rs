@@ -33,6 +33,8 @@ pub struct OrbitSearch {
     rest: bool,
     energy: Option<f64>,
     legs: Option<usize>,
+    /// Parameters, by their places, that vary among motions that are looked for.
+    pub(super) varies: Vec<usize>,
     /// A motion of the file by its place, and how it closes, to which the rest is added.
     motion: Option<(usize, Closes)>,
 }
@@ -93,6 +95,7 @@ impl OrbitSearch {
             rest: false,
             energy: None,
             legs: None,
+            varies: Vec::new(),
             motion: None,
         }
     }
@@ -209,7 +212,7 @@ impl OrbitSearch {
         };
         let (mut system, mut settings) = self.start()?;
         let stated = self.period.is_some();
-        let timed = acting::time_acts(&*system, &[settings.q.as_slice(), &settings.v].concat());
+        let timed = acting::time_acts(&*system, &self.varies, &[settings.q.as_slice(), &settings.v].concat());
         let drive = if timed { Drive::of(&*system, self.period)? } else { Drive::None };
         let ModeStart { rest_energy, mut period } = self.begin_at_mode(&*system, &mut settings)?;
         let time = match (closing.by, timed) {
@@ -236,7 +239,8 @@ impl OrbitSearch {
         let legs = self.pieces(closing.by, acts);
         let given = Closing { reversed: Vec::new(), ..closing.clone() } != Closing::period(system.description());
         let energy = self.energy.map(|energy| energy + rest_energy);
-        let momenta = if acts { Vec::new() } else { momenta(&mut *system, &settings, (&closing, &run), known) };
+        let momenta =
+            if acts { Vec::new() } else { momenta(&mut *system, &settings, &self.varies, (&closing, &run), known) };
         let mut laps = Laps {
             system,
             settings,
@@ -246,6 +250,7 @@ impl OrbitSearch {
             laps: 1,
             legs,
             parameter: None,
+            varies: self.varies,
             parameter_size: 0.0,
             energy,
             away: None,
@@ -358,6 +363,7 @@ pub(super) fn with_returns(error: Error, scene: Option<(Box<dyn System>, Setting
 fn momenta(
     system: &mut dyn System,
     settings: &Settings,
+    varies: &[usize],
     (closing, run): (&Closing, &Run),
     known: Vec<(String, DVector<f64>)>,
 ) -> Vec<(DVector<f64>, f64)> {
@@ -367,7 +373,7 @@ fn momenta(
     let shifted = |i: usize| closing.shifts.contains(&i) && closing.images[i] == (i, false);
     let allowed = |shift: &DVector<f64>| (0..shift.len()).all(|i| shift[i] == 0.0 || shifted(i));
     let known = known.into_iter().filter(|(_, shift)| allowed(shift)).collect();
-    let conserving = structure::conserving(system, &start, known).into_iter();
+    let conserving = structure::conserving(system, &start, varies, known).into_iter();
     let with_momentum = |(_, shift): (String, DVector<f64>)| {
         let (momentum, _) = structure::momentum(system, &start, &shift);
         (shift, momentum)

@@ -58,7 +58,7 @@ impl Place {
     ) -> Place {
         let width = 2 * laps.n();
         put(&mut *laps.system, &piece.start);
-        let gradients = structure::gradients(&*laps.system, &piece.start, conserved);
+        let gradients = structure::gradients(&*laps.system, &piece.start, &laps.varies, conserved);
         let known = (piece.start_rate.as_slice(), gradients.as_slice());
         let mut generators = structure::generators(&*laps.system, &piece.start, known, shifts);
         if matches!(laps.time, Time::Driven) {
@@ -119,7 +119,7 @@ pub(super) fn spectrum(laps: &mut Laps, trial: &Trial) -> Spectrum {
     let mut conserved = shifts.clone();
     for piece in &trial.pieces {
         put(&mut *laps.system, &piece.start);
-        conserved = structure::conserving(&*laps.system, &piece.start, conserved);
+        conserved = structure::conserving(&*laps.system, &piece.start, &laps.varies, conserved);
     }
     let places: Vec<Place> = trial.pieces.iter().map(|piece| Place::of(laps, piece, &shifts, &conserved)).collect();
     let maps: Vec<DMatrix<f64>> = (0..count).map(|k| map(laps, trial, k)).collect();

@@ -102,6 +102,7 @@ impl OrbitSearch {
                 }
             }
         }
+        self.varies = places.to_vec();
         let mut begun = self.begin()?;
         let corner = |x: f64| ends(ys).map(move |y| vec![(places[0], x), (places[1], y)]);
         begun.elsewhere = ends(xs).flat_map(corner).collect();

@@ -25,7 +25,12 @@ pub(super) struct Known {
 
 /// Slopes of what is conserved by [q; q']: energy, where nothing else than potentials does work, what the file says, and momenta along
 /// shifts that change nothing.
-pub(super) fn gradients(system: &dyn System, side: &Side, shifts: &[(String, DVector<f64>)]) -> Vec<Known> {
+pub(super) fn gradients(
+    system: &dyn System,
+    side: &Side,
+    varies: &[usize],
+    shifts: &[(String, DVector<f64>)],
+) -> Vec<Known> {
     let n = system.len();
     let description = system.description();
     let mut names: Vec<String> = Vec::new();
@@ -34,7 +39,8 @@ pub(super) fn gradients(system: &dyn System, side: &Side, shifts: &[(String, DVe
             |k: usize| if count == 1 { name.to_owned() } else { format!("{name}.{}", ["x", "y", "z"][k.min(2)]) };
         names.extend((0..count).map(part));
     };
-    let conservative = acting::keeps_energy_unsaid(system, &side.y);
+    let conservative = acting::keeps_energy(system, varies, &side.y);
+    let conservative = conservative && !description.invariants.iter().any(|quantity| quantity.name == ENERGY);
     if conservative {
         of(ENERGY, 1);
     }
@@ -48,7 +54,7 @@ pub(super) fn gradients(system: &dyn System, side: &Side, shifts: &[(String, DVe
         DVector::from_iterator(2 * n, (0..2 * n).map(slope))
     };
     let said = names.into_iter().enumerate().map(|(place, name)| Known { name, direction: of(place) });
-    let momenta = conserving(system, side, shifts.to_vec()).into_iter().map(|(name, shift)| Known {
+    let momenta = conserving(system, side, varies, shifts.to_vec()).into_iter().map(|(name, shift)| Known {
         name: name.replacen("shift", "momentum", 1),
         direction: momentum(system, side, &shift).1,
     });
@@ -77,10 +83,11 @@ fn lengths(system: &dyn System, side: &Side, rates: bool) -> Vec<Known> {
 pub(super) fn conserving(
     system: &dyn System,
     side: &Side,
+    varies: &[usize],
     shifts: Vec<(String, DVector<f64>)>,
 ) -> Vec<(String, DVector<f64>)> {
     let structure = &system.description().structure;
-    let keeps_energy = acting::keeps_energy(system, &side.y);
+    let keeps_energy = acting::keeps_energy(system, varies, &side.y);
     let n = system.len();
     let active: Vec<usize> = rows_in_force(system).collect();
     let j = constraint_matrix(system, At::place(side.t, &side.y[..n]), &active);
