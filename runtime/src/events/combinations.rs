@@ -1,7 +1,7 @@
 //! Combinations of sides of the switches that are on their surfaces, and where their arguments go under each.
 
 use super::certify::Sample;
-use super::modes::{Known, STANDS, Trial, mode, side_of};
+use super::modes::{Known, STANDS, Trial, at_rest, mode, side_of};
 use super::sample::Sampler;
 use super::sides::in_time;
 use crate::mechanism::System;
@@ -56,6 +56,10 @@ pub(super) fn combinations<S: System + ?Sized>(
             system.set_modes(&one.modes);
             if let Some(side) = known.beyond[switch] {
                 one.modes[switch] = mode(system, switch, side);
+                continue;
+            }
+            if known.held[switch] {
+                one.modes[switch] = at_rest(system, switch);
                 continue;
             }
             sampler.at_state(system, t, y);

@@ -35,6 +35,8 @@ pub(crate) struct Known<'a> {
     pub beyond: &'a [Option<f64>],
     /// One that is known to leave its surface, and to which side.
     pub leaves: Option<(usize, f64)>,
+    /// Which the constraints in force keep at their surface: these rest there, and none is looked for.
+    pub held: &'a [bool],
     /// The length of the last step, s: what happens in a billionth of it happens now.
     pub step: f64,
 }
@@ -401,7 +403,7 @@ fn agree<S: System + ?Sized>(
 }
 
 /// The mode on the surface where nothing moves.
-fn at_rest<S: System + ?Sized>(system: &S, switch: usize) -> f64 {
+pub(super) fn at_rest<S: System + ?Sized>(system: &S, switch: usize) -> f64 {
     match system.description().switches[switch].kind {
         SwitchKind::Sign => 0.0,
         SwitchKind::Step => 1.0,

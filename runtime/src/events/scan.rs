@@ -158,6 +158,11 @@ impl Scanner {
         Ok(())
     }
 
+    /// Looks at the function of a switch from here on, or does not while the constraints in force hold it at its surface.
+    pub fn look_at(&mut self, function: usize, looks: bool) {
+        self.asleep[function] = !looks;
+    }
+
     /// Takes note of which events count in the phase in force: not those that `never` happen there.
     pub fn activate<S: System + ?Sized>(&mut self, system: &S, never: &[usize]) {
         let phase = system.phase() as u32;

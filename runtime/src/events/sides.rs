@@ -2,6 +2,7 @@
 
 use super::modes::{self, Known};
 use super::sample::Sampler;
+use crate::constrain::held_switches;
 use crate::mechanism::{SwitchKind, System};
 
 /// Two times are one instant that differ by this part of themselves.
@@ -28,7 +29,8 @@ pub(crate) fn begin_at_state(system: &mut dyn System, t: f64, y: &[f64]) {
     let mut sampler = Sampler::new(system);
     let sides = of_time(system, &mut sampler, t, y);
     let beyond: Vec<Option<f64>> = sides.into_iter().map(|side| side.filter(|side| *side != 0.0)).collect();
-    let known = Known { surface: &vec![false; beyond.len()], beyond: &beyond, leaves: None, step: 0.0 };
+    let held = held_switches(system, (t, y));
+    let known = Known { surface: &vec![false; beyond.len()], beyond: &beyond, leaves: None, held: &held, step: 0.0 };
     if modes::choose(system, &mut sampler, (t, y), &known, &mut |_| None).is_err() {
         begin_at(system, t, y);
     }

@@ -169,3 +169,50 @@ fn what_is_taken_off_its_surface_at_once_leaves_it() {
     let run = case(struck).run();
     assert!((run.last()["b'"] - 0.4).abs() < 1e-9 && (run.last()["b"] - 0.21).abs() < 1e-9, "{:?}", run.last());
 }
+
+/// A block on dry friction that a spring pulls at a speed v; what else it has is still to be said.
+const PULLED: &str = r#"
+name: Pulled
+parameters: {m: 10 kg, k: 200 N/m, F: 9 N, F2: 12 N, C: 50 J/K, c: 3 N*s^2/m^2, v: 0.3 m/s}
+coordinates: {x: m}
+states: {T: {unit: K, rate: "F*abs(x')/C"}}
+bodies: {b: {mass: m, position: "[x, 0]"}}
+forces: {pull: {on: b, force: "[k*(v*t - x) - DRAG, 0]"}}
+friction: {rub: {rate: x', on: b, along: "[1, 0]", LIMIT}}
+scene: {start: {x: 0}, until: 4, tolerance: 1e-11}
+"#;
+
+/// From rest the spring's stretch u is F/k + A cos wt + (v/w) sin wt with A = (F2 - F)/k and w = sqrt(k/m); the block stops where tan(wt/2) = -A w/v
+/// and sticks for 2 A/v. It is warmed by F over its whole way, whichever that is.
+#[test]
+fn what_sticks_is_warmed_by_its_way_and_by_nothing_else() {
+    let text = PULLED.replace("DRAG", "0*c*x'*abs(x')").replace("LIMIT", "limit: F, static: F2");
+    let (w, a, v) = (20.0_f64.sqrt(), 3.0 / 200.0, 0.3);
+    let slips = 2.0 * (std::f64::consts::PI - (a * w / v).atan()) / w;
+    let left = 4.0 - (12.0 / 200.0 / v + 2.0 * (slips + 2.0 * a / v));
+    let x = 4.0 * v - (9.0 / 200.0 + a * (w * left).cos() + v / w * (w * left).sin());
+    for (side, text) in [(1.0, text.clone()), (-1.0, text.replace("v: 0.3", "v: -0.3"))] {
+        let last = case(&text).run().last();
+        assert!((last["x"] - side * x).abs() < 1e-9, "{}, and not {}", last["x"], side * x);
+        assert!((last["T"] - 9.0 * x / 50.0).abs() < 1e-9, "{}", last["T"]);
+    }
+}
+
+/// `sqrt(x'^2)` is `abs(x')` without a surface to look for.
+#[test]
+fn drags_and_limits_by_the_size_of_a_rate_that_is_held_are_as_without_a_surface() {
+    for (drag, limit) in
+        [("c*x'*abs(x')", "limit: F, static: F2"), ("0*c*x'*abs(x')", "limit: \"F*(1 + exp(-abs(x')/v))\"")]
+    {
+        let text = PULLED.replace("DRAG", drag).replace("LIMIT", limit);
+        for v in ["0.1", "0.17", "0.3", "0.4"] {
+            let text = text.replace("v: 0.3", &format!("v: {v}"));
+            let [switched, smooth] = [text.clone(), text.replace("abs(x')", "sqrt(x'^2)")].map(|text| {
+                let mut case = case(&text);
+                case.settings.digits = false;
+                case.run().last()["x"]
+            });
+            assert!((switched - smooth).abs() < 1e-8, "{drag}, {limit}, v = {v}: {switched}, and not {smooth}");
+        }
+    }
+}

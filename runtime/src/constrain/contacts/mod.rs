@@ -283,18 +283,18 @@ impl Situation {
 }
 
 /// What is known of the rates of rows.
-struct Rates<'a> {
+pub(super) struct Rates<'a> {
     /// What of a rate no speed makes.
-    driven: &'a dyn Fn(usize) -> f64,
+    pub driven: &'a dyn Fn(usize) -> f64,
     /// The sum of the sizes of all that makes it.
-    terms: &'a dyn Fn(usize) -> f64,
+    pub terms: &'a dyn Fn(usize) -> f64,
     /// γ of c'' = J a + γ.
-    bias: &'a [f64],
+    pub bias: &'a [f64],
 }
 
 /// Whether the rows in force keep the rate of another one at zero: J_t = Σ c_k J_k, and what of the rate no speed makes is zero in this sum, too; and not
 /// for this instant alone, as that of a piston at its dead centre, γ_t = Σ c_k γ_k.
-fn is_held(
+pub(super) fn is_held(
     matrix: &DMatrix<f64>,
     (basis, active): (&DMatrix<f64>, &[usize]),
     row: usize,

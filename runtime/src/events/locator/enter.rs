@@ -18,6 +18,10 @@ impl EventLocator {
         trial: Trial<'_, S>,
     ) -> Result<(), Box<Cause>> {
         self.forget_surfaces();
+        if hit {
+            // What was held may have been struck off its surface.
+            self.held.fill(false);
+        }
         self.choose(system, (t, y), None, trial)?;
         self.scanner
             .activate(system, &never_stopping(system, &Moment { t, y, scales: &[], fastest: &[], step: self.step }));

@@ -17,7 +17,7 @@ use super::scan::{Crossing, Scanner};
 use super::sides;
 use super::stops::Stops;
 use crate::cause::Cause;
-use crate::constrain::{Moment, never_stopping};
+use crate::constrain::{Moment, held_switches, never_stopping};
 use crate::integrate::{Endpoint, Segment};
 use crate::mechanism::sliding::fractions;
 use crate::mechanism::{Action, Direction, System, Trigger};
@@ -49,6 +49,8 @@ pub(crate) struct EventLocator {
     last_restart: f64,
     /// Which switches were on their surface at one of these.
     met: Vec<bool>,
+    /// Which switches the constraints in force hold at their surface.
+    held: Vec<bool>,
     /// Whether the last switches that crossed zero had left it by no more than rounding.
     within_rounding: bool,
     y: Vec<f64>,
@@ -129,6 +131,7 @@ impl EventLocator {
             stops,
             surface: vec![false; time_only.len()],
             met: vec![false; time_only.len()],
+            held: vec![false; time_only.len()],
             beyond: vec![None; time_only.len()],
             undecided: None,
             time_only,
@@ -272,7 +275,7 @@ impl EventLocator {
         for switch in 0..self.surface.len() {
             let function = self.sampler.function_of(switch);
             let value = self.scanner.largest_here(function);
-            let rests = modes::side(system, switch) == 0.0;
+            let rests = modes::side(system, switch) == 0.0 && self.scanner.awake(function);
             if rests && value.abs() > REST * self.scanner.largest(function) && value != 0.0 {
                 segment.evaluate(1.0, &mut self.y);
                 let end = (segment.t + segment.h, self.y.as_slice());
@@ -560,10 +563,13 @@ impl EventLocator {
         if !at_once {
             self.met.fill(false);
         }
-        // What was met at the instant about which restarts crowd is on its surface still: that it has left it is rounding.
+        let released = std::mem::replace(&mut self.held, held_switches(system, (t, y)));
+        // What was met at the instant about which restarts crowd is on its surface still: that it has left it is rounding.  What was held until now
+        // begins there, too.
         let crowds = self.restarts > RESTARTS;
-        let surface: Vec<bool> = self.surface.iter().zip(&self.met).map(|(on, met)| *on || crowds && *met).collect();
-        let known = Known { surface: &surface, beyond: &self.beyond, leaves, step: self.step };
+        let on = |k: usize| self.surface[k] || crowds && self.met[k] || released[k] && !self.held[k];
+        let surface: Vec<bool> = (0..self.surface.len()).map(on).collect();
+        let known = Known { surface: &surface, beyond: &self.beyond, leaves, held: &self.held, step: self.step };
         let Chosen { on, undecided } = modes::choose(system, &mut self.sampler, (t, y), &known, trial)?;
         self.met.iter_mut().zip(&on).for_each(|(met, on)| *met |= on);
         self.undecided = undecided;
@@ -579,6 +585,7 @@ impl EventLocator {
         self.sampler.at_state(system, t, y);
         for (switch, on) in on.into_iter().enumerate() {
             let function = self.sampler.function_of(switch);
+            self.scanner.look_at(function, !self.held[switch]);
             let slides = system.sliding().contains(&switch);
             self.scanner.sides[function] = if slides { 1.0 } else { modes::side(system, switch) };
             self.scanner.fresh[function] |= on;
