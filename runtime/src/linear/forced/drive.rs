@@ -2,10 +2,14 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+#[cfg(feature = "modal")]
+use nalgebra::DMatrix;
 use nalgebra::{Complex, DVector};
 
 use super::Observed;
 use super::harmonic::REACHED;
+#[cfg(feature = "modal")]
+use crate::linear::complex_modes;
 use crate::linear::modes::Spectrum;
 use crate::linear::{LinearError, Linearised, Reduction};
 
@@ -81,7 +85,8 @@ pub struct Steady {
     /// X; what grows without bound is left out of it.
     pub total: Vec<Complex<f64>>,
     /// Normal modes: what each contributes to X, φ φᵀM X, in rising order of ω²; they add up to X exactly, whatever
-    /// the damping, with what is `carried`.
+    /// the damping, with what is `carried`.  Where C or K is not symmetric, complex modes, as they are printed: the parts of (X, iΩX) along the
+    /// eigenvectors of the first-order form, both of a pair together.
     pub modes: Vec<Vec<Complex<f64>>>,
     /// What inputs carry along through constraints that move with them.
     pub carried: Option<Vec<Complex<f64>>>,
@@ -90,6 +95,10 @@ pub struct Steady {
     /// x grows as Re(G t e^(iΩt)): G, where Ω meets undamped modes that the force reaches.
     pub growth: Option<Vec<Complex<f64>>>,
 }
+
+/// What each mode contributes to a steady state, and ω of each, rad/s.
+#[cfg(feature = "modal")]
+type PartsByMode = (Vec<Vec<Complex<f64>>>, Vec<f64>);
 
 impl Steady {
     /// Complex amplitudes of some answers; `None` of those that grow.
@@ -191,6 +200,10 @@ impl Linearised {
             |k: usize, eta: Complex<f64>| -> Vec<Complex<f64>> { shapes.column(k).iter().map(|x| eta * *x).collect() };
         match self.steady_state(&force, omega) {
             Ok(total) => {
+                #[cfg(feature = "modal")]
+                if let Some((modes, omegas)) = self.unsymmetric_parts(&total, omega)? {
+                    return Ok(Steady { omega, force, modes, carried: None, total, omegas, growth: None });
+                }
                 let weights = shapes.transpose() * self.m();
                 let modes =
                     (0..n).map(|k| spread(k, weights.row(k).iter().zip(&total).map(|(weight, x)| x * *weight).sum()));
@@ -221,6 +234,39 @@ impl Linearised {
             }
             Err(other) => Err(other),
         }
+    }
+
+    /// What each complex mode contributes to a steady state X, and their ω, where C or K is not symmetric, so that shapes are not orthogonal in M: the
+    /// parts along right eigenvectors, told apart by left ones; `None` where all is symmetric, or where eigenvectors are no basis.
+    #[cfg(feature = "modal")]
+    fn unsymmetric_parts(&self, total: &[Complex<f64>], omega: f64) -> Result<Option<PartsByMode>, LinearError> {
+        if self.circulatory().is_zero() && self.gyroscopic().is_zero() {
+            return Ok(None);
+        }
+        let (n, found) = (self.len(), complex_modes(self)?);
+        let mut vectors: Vec<(usize, Complex<f64>, Vec<Complex<f64>>)> = Vec::with_capacity(2 * n);
+        for (k, mode) in found.modes.iter().enumerate() {
+            vectors.push((k, mode.eigenvalue, mode.shape.clone()));
+            if mode.eigenvalue.im != 0.0 {
+                vectors.push((k, mode.eigenvalue.conj(), mode.shape.iter().map(Complex::conj).collect()));
+            }
+        }
+        if found.defective || vectors.len() != 2 * n {
+            return Ok(None);
+        }
+        // Speeds in units of the fastest mode.
+        let rate = vectors.iter().fold(omega.abs(), |most, (_, value, _)| most.max(value.norm()));
+        let state = |shape: &[Complex<f64>], value: Complex<f64>, i: usize| {
+            if i < n { shape[i] } else { shape[i - n] * value / rate }
+        };
+        let basis = DMatrix::from_fn(2 * n, 2 * n, |i, k| state(&vectors[k].2, vectors[k].1, i));
+        let whole = DVector::from_fn(2 * n, |i, _| state(total, Complex::new(0.0, omega), i));
+        let Some(parts) = basis.lu().solve(&whole) else { return Ok(None) };
+        let mut modes = vec![vec![Complex::ZERO; n]; found.modes.len()];
+        for ((k, _, shape), part) in vectors.iter().zip(&parts) {
+            modes[*k].iter_mut().zip(shape).for_each(|(sum, x)| *sum += x * part);
+        }
+        Ok(Some((modes, found.modes.iter().map(|mode| mode.omega).collect())))
     }
 
     /// Frequencies, rad/s, at which a frequency response shows all that happens: evenly over the logarithm from a

@@ -159,6 +159,23 @@ fn a_steady_state_is_the_sum_of_its_parts() {
     assert_eq!(free.steady(&Source::Force(0).into(), 0.0).unwrap_err(), LinearError::Resonance { omega: 0.0 });
 }
 
+/// K = [1 1; 0 4] has the right eigenvectors (1, 0) and (1, 3), and the left ones (3, -1) and (0, 1): with F = (1, 1) and equal damping the parts are
+/// (1, 0) 2/3 and (1, 3) 1/3, each over its own dynamic stiffness.
+#[cfg(feature = "modal")]
+#[test]
+fn parts_without_a_potential_follow_the_modes() {
+    let k = DMatrix::from_row_slice(2, 2, &[1.0, 1.0, 0.0, 4.0]);
+    let driven = linear(DMatrix::identity(2, 2), DMatrix::identity(2, 2) * 0.1, k);
+    let omega = 1.5;
+    let drive = Drive { parts: vec![(Source::Force(0), Complex::ONE), (Source::Force(1), Complex::ONE)] };
+    let found = driven.steady(&drive, omega).unwrap();
+    let stiffness = |square: f64| Complex::new(square - omega * omega, 0.1 * omega);
+    let parts = [[2.0 / 3.0, 0.0].map(|x| x / stiffness(1.0)), [1.0 / 3.0, 1.0].map(|x| x / stiffness(4.0))];
+    for (mode, part) in found.modes.iter().zip(parts) {
+        assert!(mode.iter().zip(part).all(|(x, expected)| (x - expected).norm() < 1e-12), "{mode:?}, and not {part:?}");
+    }
+}
+
 /// Frequencies to look at reach beyond all modes and come close to each, however narrow its peak.
 #[cfg(feature = "modal")]
 #[test]
