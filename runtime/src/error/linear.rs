@@ -142,6 +142,11 @@ pub enum LinearError {
         /// Its name.
         contact: String,
     },
+    /// Friction slips at a rest, where it has no direction: any state near by that it can hold is an equilibrium too.
+    SlipsAtRest {
+        /// The name of the contact or friction.
+        contact: String,
+    },
     /// M is not positive definite.
     SingularMass {
         /// The coordinate whose pivot is not positive.
@@ -380,6 +385,12 @@ impl fmt::Display for LinearError {
                 f,
                 "`{contact}` slides in space, where friction follows the direction of sliding: there is no linear model yet; another phase, \
                  `{contact} sticks` or `{contact} open`, may have one"
+            ),
+            LinearError::SlipsAtRest { contact } => write!(
+                f,
+                "`{contact}` slips in this phase, but nothing moves there: friction would hold it, so every state near by that it can hold is \
+                 an equilibrium too, and there is no linear model; another phase, `{contact} sticks`, has one, and so has a steady motion in \
+                 which it slips"
             ),
             LinearError::SingularMass { coordinate } => {
                 write!(f, "the mass matrix is not positive definite: nothing gives `{coordinate}` an inertia here")

@@ -494,3 +494,54 @@ fn sampled_laws_without_a_linear_model_are_refused() {
     }
     assert!(said(&law("-k*x*(1 + x/L)")).unwrap().contains("stability"));
 }
+
+/// Two blocks on springs of k = 100 N/m, the lower of which rubs with 2.943 N.
+const RUBBED: &str = r#"
+name: Rubbed
+parameters: {m: 1 kg, k: 100 N/m, mu: 0.3 1, g: 9.81 m/s^2}
+coordinates: {x: m, z: m}
+bodies: {b: {mass: m, position: "[x, 0]"}, top: {mass: m, position: "[x + z, 0]"}}
+springs: {s: {stretch: x, stiffness: k, on: b, along: "[1, 0]"}, q: {stretch: z, stiffness: k, on: top, from: b, along: "[1, 0]"}}
+friction: {rub: {rate: x', on: b, along: "[1, 0]", limit: mu*m*g}}
+scene: {start: {x: 0.01}, until: 2}
+scenes: {far: {start: {x: 0.05}}}
+"#;
+
+/// At x = 0.01 m the spring pulls with 1 N of 2.943 N; at 0.05 m with 5 N, so that the block slips, but at rest friction would hold it.
+#[test]
+fn what_sticks_at_a_rest_is_told_and_what_slips_there_is_refused() {
+    let path = folder("rubbed").join("rubbed.yaml");
+    std::fs::write(&path, RUBBED).expect("a file");
+    let modes = |more: &[&str]| program(&[&["modes", path.to_str().expect("a path")], more].concat());
+    let told = modes(&[]).expect("a rest");
+    assert!(told.contains("frozen there: rub sticks (takes 0.33978"), "{told}");
+    let json: serde_json::Value = serde_json::from_str(&modes(&["--json"]).expect("a rest")).expect("JSON");
+    close(json["contacts"]["rub"]["part_of_limit"].as_f64().expect("a part"), 1.0 / 2.943, 1e-9);
+    let refused = modes(&["--scene", "far"]).unwrap_err();
+    assert!(refused.contains("`rub` slips in this phase, but nothing moves there"), "{refused}");
+    // Without friction there is nothing that could hold it.
+    assert!(modes(&["--scene", "far", "--set", "mu=0"]).is_ok());
+}
+
+/// On a slope at the angle of friction whether it sticks is a matter of the last digits.
+#[test]
+fn a_rest_at_the_limit_of_friction_is_told() {
+    let wedge = |static_: &str| {
+        let path = folder("wedge").join("wedge.yaml");
+        let text = format!(
+            "name: Wedge
+parameters: {{m: 1 kg, g: 9.81 m/s^2, mu: 0.3 1, mus: {static_} 1, a: atan(0.3)}}
+coordinates: {{x: m, y: m}}
+bodies: {{b: {{mass: m, position: \"[x, y]\"}}}}
+gravity: g*[sin(a), -cos(a)]
+contacts: {{floor: {{gap: y, on: b, normal: \"[0, 1]\", friction: mu, static: mus}}}}
+scene: {{start: {{x: 0}}, until: 2}}
+"
+        );
+        std::fs::write(&path, text).expect("a file");
+        let told = program(&["modes", path.to_str().expect("a path"), "--json"]).expect("a rest");
+        serde_json::from_str::<serde_json::Value>(&told).expect("JSON")["warnings"].to_string()
+    };
+    assert!(wedge("0.30000003").contains("`floor` (sticks) is on the edge"));
+    assert!(!wedge("0.3003").contains("edge"));
+}

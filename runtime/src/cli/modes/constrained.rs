@@ -22,7 +22,7 @@ use super::tangent;
 use super::trim::Trim;
 use super::{FurtherAnswers, Place, bodies, failed, pictures, report, state_space};
 #[cfg(feature = "modal")]
-use super::{contacts, integrals};
+use super::{contacts::ContactsAtRest, integrals};
 use crate::linear::{LinearError, linearise_constrained, short};
 #[cfg(feature = "modal")]
 use crate::linear::{linearise_driven, linearise_tangent, turns_as_a_whole};
@@ -176,16 +176,18 @@ fn by_departures(
     }
     let untried = integrals::notes(system, &found.equilibrium, locus.as_ref());
     let more = driven.iter().flat_map(Driven::notes).chain(locus.iter().flat_map(Locus::notes));
-    for note in contacts::notes(system, &found.equilibrium.as_guess()).into_iter().chain(untried).chain(more) {
+    let contacts = ContactsAtRest::of(system, &found.equilibrium.as_guess());
+    for note in contacts.warnings.iter().cloned().chain(untried).chain(more) {
         eprintln!("warning: {note}");
     }
     if options.get_flag("json") {
         let more = driven.iter().flat_map(Driven::as_json).chain(locus.iter().map(Locus::as_json));
-        let more = more.chain(trim.iter().map(Trim::as_json));
+        let more = more.chain(trim.iter().map(Trim::as_json)).chain(contacts.as_json());
         return Ok(json::write(&tangent::as_json(&loaded.name, &found, names, more), out)?);
     }
     trim.iter().try_for_each(|trim| trim.table(&loaded.name, out))?;
     tangent::table(&loaded.name, &found, names, out)?;
+    contacts.table(out)?;
     driven.zip(model).map_or(Ok(()), |(driven, model)| driven.table(model, out))?;
     locus.map_or(Ok(()), |locus| locus.table(out))?;
     Ok(out.write_all(&written)?)

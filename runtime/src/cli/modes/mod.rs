@@ -38,6 +38,7 @@ use crate::linear::{
 use crate::mechanism::{Noise, System, Target};
 use crate::simulate::{Settings, closed, settled};
 use clap::ArgMatches;
+use contacts::ContactsAtRest;
 use dalembert_symbolic::model::Sets;
 use damping::Damping;
 use drive::Driven;
@@ -113,6 +114,7 @@ struct FurtherAnswers {
     motion: Option<Compared>,
     driven: Option<Driven>,
     locus: Option<Locus>,
+    contacts: ContactsAtRest,
     /// What the numbers alone do not tell.
     warnings: Vec<String>,
 }
@@ -135,18 +137,20 @@ impl FurtherAnswers {
         let more = driven.iter().flat_map(Driven::notes).chain(locus.iter().flat_map(Locus::notes));
         let untried = integrals::notes(system, &linear.equilibrium, locus.as_ref());
         let varying = varying::notes(system, &linear.equilibrium, system.scene(scene).until);
-        let touching = contacts::notes(system, &linear.equilibrium.as_guess());
-        let told = touching.into_iter().chain(untried).chain(varying).chain(notes(linear, modes)).chain(more);
+        let contacts = ContactsAtRest::of(system, &linear.equilibrium.as_guess());
+        let told =
+            contacts.warnings.iter().cloned().chain(untried).chain(varying).chain(notes(linear, modes)).chain(more);
         let warnings: Vec<String> = told.collect();
         for warning in &warnings {
             eprintln!("warning: {warning}");
         }
-        Ok(FurtherAnswers { damping, motion, driven, locus, warnings })
+        Ok(FurtherAnswers { damping, motion, driven, locus, contacts, warnings })
     }
 
     /// All but the warnings, for programs.
     fn as_json(&self) -> Vec<(&'static str, Value)> {
-        let mut entries: Vec<_> = self.damping.iter().map(Damping::as_json).collect();
+        let mut entries: Vec<_> = self.contacts.as_json().into_iter().collect();
+        entries.extend(self.damping.iter().map(Damping::as_json));
         entries.extend(self.motion.iter().map(Compared::as_json));
         entries.extend(self.driven.iter().flat_map(Driven::as_json));
         entries.extend(self.locus.iter().map(Locus::as_json));
@@ -155,6 +159,7 @@ impl FurtherAnswers {
 
     /// For people.
     fn table(&self, model: Model<'_>, out: &mut dyn Write) -> Result<(), Problem> {
+        self.contacts.table(out)?;
         self.damping.iter().try_for_each(|damping| damping.table(out))?;
         self.motion.iter().try_for_each(|motion| motion.table(out))?;
         self.driven.iter().try_for_each(|driven| driven.table(model, out))?;

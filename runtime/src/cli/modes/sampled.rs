@@ -12,8 +12,9 @@ use serde_json::{Value, json};
 use super::super::json::{number, object};
 use super::super::load::{Loaded, pairs};
 use super::super::{Problem, json};
+use super::contacts::ContactsAtRest;
 use super::states::OF_MODES;
-use super::{MOST_PRINTED, contacts, failed};
+use super::{MOST_PRINTED, failed};
 use crate::linear::{Guess, SampledLoop, linearise_sampled, periods, short};
 use crate::mechanism::{System, Text};
 
@@ -31,13 +32,16 @@ pub fn run(loaded: &Loaded, options: &ArgMatches, guess: Guess, out: &mut dyn Wr
     let (rest, held) = found.rest();
     let mut at_rest = system.boxed_clone();
     at_rest.set_memory(held);
-    let warnings = contacts::notes(&*at_rest, rest);
-    for warning in &warnings {
+    let contacts = ContactsAtRest::of(&*at_rest, rest);
+    for warning in &contacts.warnings {
         eprintln!("warning: {warning}");
     }
     match options.get_flag("json") {
-        true => Ok(json::write(&as_json(&loaded.name, &found, system, &warnings), out)?),
-        false => table(&loaded.name, &found, system, out),
+        true => Ok(json::write(&as_json(&loaded.name, &found, system, &contacts), out)?),
+        false => {
+            table(&loaded.name, &found, system, out)?;
+            Ok(contacts.table(out)?)
+        }
     }
 }
 
@@ -177,7 +181,7 @@ fn complex(z: Complex<f64>) -> String {
     if z.im == 0.0 { short(z.re) } else { format!("{} ± {}i", short(z.re), short(z.im.abs())) }
 }
 
-fn as_json(name: &str, found: &SampledLoop, system: &dyn System, warnings: &[String]) -> Value {
+fn as_json(name: &str, found: &SampledLoop, system: &dyn System, contacts: &ContactsAtRest) -> Value {
     let named = |list: &[(String, f64)]| object(list.iter().map(|(name, value)| (name.clone(), number(*value))));
     let pair = |x: &Complex<f64>| Value::Array(vec![number(x.re), number(x.im)]);
     let matrix = |m: &DMatrix<f64>| -> Value {
@@ -187,7 +191,7 @@ fn as_json(name: &str, found: &SampledLoop, system: &dyn System, warnings: &[Str
         Some(factor) => Value::Array(periods(system).iter().map(|every| number(factor * every)).collect()),
         None => Value::Null,
     };
-    let warned = (!warnings.is_empty()).then(|| ("warnings", json!(warnings)));
+    let warned = (!contacts.warnings.is_empty()).then(|| ("warnings", json!(contacts.warnings)));
     let entries = [
         ("model", json!(name)),
         ("equilibrium", named(&found.place)),
@@ -210,5 +214,5 @@ fn as_json(name: &str, found: &SampledLoop, system: &dyn System, warnings: &[Str
         ("looked_factors", found.looked.iter().map(|factor| number(*factor)).collect::<Vec<_>>().into()),
         ("varied", json!(found.varied)),
     ];
-    object(entries.into_iter().chain(warned))
+    object(entries.into_iter().chain(contacts.as_json()).chain(warned))
 }

@@ -13,9 +13,10 @@ use super::super::load::Loaded;
 use super::super::set_up::Reader;
 use super::super::{Problem, json};
 use super::constrained::reactions;
+use super::contacts::ContactsAtRest;
 use super::tangent::{blurred, told, verdict};
 use super::trim::Trim;
-use super::{MOST_PRINTED, Place, contacts, failed, rows, state_space};
+use super::{MOST_PRINTED, Place, failed, rows, state_space};
 use crate::linear::{StateSpace, linearise_states, short, short_beside};
 
 /// What has modes of M, C and K only.
@@ -41,21 +42,22 @@ pub fn run(
     }
     let system = &*loaded.system;
     let found = linearise_states(system, guess, *here).map_err(failed)?;
-    let warnings = contacts::notes(system, found.rest());
-    for warning in &warnings {
+    let contacts = ContactsAtRest::of(system, found.rest());
+    for warning in &contacts.warnings {
         eprintln!("warning: {warning}");
     }
     let mut written = Vec::new();
     let space = || state_space::of_states(loaded, options, reader, &found);
     state_space::write(&loaded.name, options, space, &mut written)?;
     if options.get_flag("json") {
-        return Ok(json::write(&as_json(&loaded.name, &found, trim.as_ref(), &warnings), out)?);
+        return Ok(json::write(&as_json(&loaded.name, &found, trim.as_ref(), &contacts), out)?);
     }
     trim.iter().try_for_each(|trim| trim.table(&loaded.name, out))?;
     table(&loaded.name, &found, out)?;
     for (row, (_, value)) in reactions(loaded, reader)?.iter().zip(&found.reactions) {
         writeln!(out, "{}", row.told("at rest", *value))?;
     }
+    contacts.table(out)?;
     Ok(out.write_all(&written)?)
 }
 
@@ -105,7 +107,7 @@ fn parts(found: &StateSpace, shape: &[Complex<f64>]) -> Vec<String> {
     found.variables.iter().zip(shape).map(part).collect()
 }
 
-fn as_json(name: &str, found: &StateSpace, trim: Option<&Trim>, warnings: &[String]) -> Value {
+fn as_json(name: &str, found: &StateSpace, trim: Option<&Trim>, contacts: &ContactsAtRest) -> Value {
     let named = |list: &[(String, f64)]| object(list.iter().map(|(name, value)| (name.clone(), number(*value))));
     let pair = |x: &Complex<f64>| Value::Array(vec![number(x.re), number(x.im)]);
     let matrix = |m: &DMatrix<f64>| -> Value {
@@ -131,6 +133,6 @@ fn as_json(name: &str, found: &StateSpace, trim: Option<&Trim>, warnings: &[Stri
         ("blurred", found.blurred.map_or(Value::Null, number)),
         ("stability", json!(verdict(found.analysis.stability))),
     ];
-    let warned = (!warnings.is_empty()).then(|| ("warnings", json!(warnings)));
-    object(entries.into_iter().chain(trim.map(Trim::as_json)).chain(warned))
+    let warned = (!contacts.warnings.is_empty()).then(|| ("warnings", json!(contacts.warnings)));
+    object(entries.into_iter().chain(trim.map(Trim::as_json)).chain(contacts.as_json()).chain(warned))
 }

@@ -45,11 +45,14 @@ struct Departure {
 }
 
 impl LinearisationPoint {
-    /// Refuses a rest at a corner, and puts switches on their surface there on a side, where all are alike.
+    /// Refuses a rest at a corner, or at which friction slips, and puts switches on their surface there on a side, where all are alike.
     ///
     /// # Errors
-    /// [`LinearError::NotSmooth`], [`LinearError::AtTablePoint`].
+    /// [`LinearError::NotSmooth`], [`LinearError::AtTablePoint`], [`LinearError::SlipsAtRest`].
     pub fn without_corner(&self, q: &[f64]) -> Result<(), LinearError> {
+        if let Some(contact) = self.slips_at_rest(q) {
+            return Err(LinearError::SlipsAtRest { contact });
+        }
         let surfaces = self.surfaces(q);
         if let Some(switch) = self.kink(q, &surfaces) {
             return Err(LinearError::NotSmooth { switch });

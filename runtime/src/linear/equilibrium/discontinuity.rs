@@ -1,7 +1,9 @@
 //! Discontinuities at a point of rest: which side of each holds, and dry friction, which holds a whole set of points.
 
 use super::point::{LinearisationPoint, OneSide};
-use crate::mechanism::SwitchKind;
+use crate::constrain::STILL;
+use crate::mechanism::dense::{constraint_matrix, constraint_triples};
+use crate::mechanism::{At, ContactMode, SwitchKind, System};
 
 /// A switch whose surface a state lies on.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,6 +45,31 @@ impl LinearisationPoint {
         self.on_surface(q).into_iter().find(differs).map(|switch| self.switch(switch).0)
     }
 
+    /// A contact that slips in the phase in force though its sides do not move on each other, and whose friction, which would hold them, jumps with the
+    /// direction: what rests there is any state near by that friction can hold.
+    pub(super) fn slips_at_rest(&self, q: &[f64]) -> Option<String> {
+        let system = self.system.borrow();
+        let (contacts, at) = (system.contacts(), At::new(0.0, q, &self.v));
+        let modes = contacts.modes(system.phase());
+        let acts = |modes: &[ContactMode]| {
+            let mut own = system.boxed_clone();
+            own.set_phase(contacts.phase(modes));
+            let (mut a, mut lambda) = (vec![0.0; self.n], vec![0.0; system.description().rows.len()]);
+            own.accelerations_and_multipliers(at, &mut a, &mut lambda).ok().map(|()| [a, lambda].concat())
+        };
+        let slips = |k: &usize| {
+            let other = match modes[*k] {
+                ContactMode::SlipsForwards => ContactMode::SlipsBackwards,
+                ContactMode::SlipsBackwards => ContactMode::SlipsForwards,
+                _ => return false,
+            };
+            let mut turned = modes.clone();
+            turned[*k] = other;
+            stands(&**system, at, *k) && acts(&modes).zip(acts(&turned)).is_none_or(|(a, b)| differ(&[a, b]))
+        };
+        (0..modes.len()).find(slips).map(|k| contacts.all[k].name.to_string())
+    }
+
     pub(super) fn sides(&self, q: &[f64], switch: usize) -> [OneSide; 2] {
         let below = match self.switch(switch).1 {
             SwitchKind::Sign => -1.0,
@@ -69,6 +96,18 @@ impl LinearisationPoint {
         };
         (0..self.n).filter_map(jump).collect()
     }
+}
+
+/// Whether the sliding rate of a contact is zero, as far as rounding tells.
+fn stands(system: &dyn System, at: At<'_>, contact: usize) -> bool {
+    let triples = constraint_triples(system, at);
+    let is_zero = |row: usize| {
+        let matrix = constraint_matrix(system, at, &[row]);
+        let moving = at.v.iter().enumerate().map(|(i, v)| matrix[(0, i)] * v);
+        let (sum, terms) = moving.fold((0.0, 0.0), |(sum, terms), term| (sum + term, terms + term.abs()));
+        triples[row][1].abs() <= STILL * (terms + (triples[row][1] - sum).abs())
+    };
+    system.contacts().all[contact].tangents().all(|row| is_zero(row as usize))
 }
 
 /// Whether numbers differ by more than rounding of the largest.
