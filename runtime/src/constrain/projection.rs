@@ -26,6 +26,8 @@ pub(crate) struct Projection {
     entries: Vec<f64>,
     /// The largest Σ |terms| that each row has had: where it vanishes its terms may too.
     scales: Vec<f64>,
+    /// The largest speeds so far.
+    fastest: Vec<f64>,
     last: Residuals,
     worst: Residuals,
     /// What rounding of constraints makes of [q; q'].
@@ -92,6 +94,7 @@ impl Projection {
             norms: vec![0.0; rows],
             entries: vec![0.0; rows * system.len()],
             scales: vec![0.0; rows],
+            fastest: vec![0.0; system.len()],
             last: Residuals::default(),
             worst: Residuals::default(),
             constraint_round_off: vec![0.0; 2 * system.len()],
@@ -222,6 +225,7 @@ impl Projection {
     pub fn observe<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) {
         self.evaluate(system, t, y);
         self.keep();
+        self.fastest.iter_mut().zip(&y[system.len()..]).for_each(|(most, v)| *most = most.max(v.abs()));
     }
 
     /// Notes how large the terms of all rows are at the state that was evaluated last: it is one of the motion.  The end of a step that was
@@ -345,10 +349,12 @@ impl Projection {
         if !self.corrects {
             return None;
         }
-        // Where all terms of a row are zero but for rounding, that of the coordinates and of the time tells how far off it may be.
+        // Where all terms of a row are zero but for rounding, that of the coordinates and of the time tells how far off it may be, at the largest speeds
+        // there were: what has come to rest has none.
         let is_rounding = |row: usize, c: f64| {
             let sizes = DVector::from_vec(sizes_alike(system.description(), place.q));
-            let ways = DVector::from_iterator(place.v.len(), place.v.iter().map(|v| (v * place.t).abs()));
+            let fastest = self.fastest.iter().zip(place.v).map(|(most, v)| most.max(v.abs()));
+            let ways = DVector::from_iterator(place.v.len(), fastest.map(|v| (v * place.t).abs()));
             let moved = constraint_matrix(system, place, &[row]).abs() * (dense::ROUNDING * sizes + ROUNDING * ways);
             c.abs() <= moved[0]
         };

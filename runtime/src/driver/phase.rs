@@ -1,6 +1,7 @@
 //! Phases and impacts: what events do to the state and to the constraints in force.
 
 use super::Integration;
+use super::constraints::held_coordinates;
 use crate::cause::Cause;
 use crate::constrain::{VelocityJump, closed_within, lasting_rows, possible_restitution, velocity_jump};
 use crate::events::{Impulse, gained};
@@ -331,19 +332,17 @@ impl Integration {
     ) -> bool {
         let n = system.len();
         let energy = gained(system, (self.clock.now(), self.stepper.state_mut()), &jump);
-        // Speeds that have come to rest are beside what they were.
-        let seen = self.resumed().into_iter().flat_map(|(_, seen)| seen);
-        let before = seen.flat_map(|values| values.into_iter().skip(n)).filter(|v| v.is_finite());
-        let before = before.fold(0.0_f64, |most, v| most.max(v.abs()));
         if self.struck.as_ref().is_none_or(|(t, _)| *t != self.clock.now()) {
             self.struck = Some((self.clock.now(), self.stepper.start().y.to_vec()));
         }
         // What the acceleration makes of a speed within the rounding of the instant.
         let instant = INSTANT_ROUNDING * self.clock.now().abs();
         let drifts: Vec<f64> = self.stepper.start().rate[n..].iter().map(|a| instant * a.abs()).collect();
+        let before = self.fastest_before(n);
         let speeds = &mut self.stepper.state_mut()[n..];
         let size = speeds.iter().zip(&jump).fold(before, |most, (v, jump)| most.max(v.abs()).max(jump.abs()));
         speeds.iter_mut().zip(&jump).for_each(|(v, jump)| *v += jump);
+        self.rest_where_held(system, size);
         // What is left of constraints that were met already is rounding, and no impulse.
         let is_rounding = |(jump, drift): (&f64, &f64)| jump.abs() <= (ROUNDING * size).max(*drift);
         if jump.iter().zip(&drifts).all(is_rounding) {
@@ -355,6 +354,27 @@ impl Integration {
         let terms = terms.unwrap_or_else(|| jump.iter().map(|jump| jump.abs()).collect());
         recorder.impulse(Impulse { t: self.clock.now(), inputs: Vec::new(), constraints, jump, terms, energy });
         true
+    }
+}
+
+impl Integration {
+    /// The largest speed before what happens now, at this instant and, at steps that are chosen, so far: what comes to rest is beside what it was.
+    fn fastest_before(&self, n: usize) -> f64 {
+        let seen = self.resumed().into_iter().flat_map(|(_, seen)| seen);
+        let struck = self.struck.iter().filter(|(t, _)| *t == self.clock.now()).map(|(_, y)| y.clone());
+        let speeds = seen.chain(struck).flat_map(|values| values.into_iter().skip(n)).filter(|v| v.is_finite());
+        speeds.fold(0.0_f64, |most, v| most.max(v.abs()))
+    }
+
+    /// Lets coordinates rest that the constraints leave nowhere to go, and whose speeds are rounding beside this one: what rounding has left of an impact
+    /// would be all that there is.
+    fn rest_where_held(&mut self, system: &dyn System, size: f64) {
+        let n = system.len();
+        let Some(held) = held_coordinates(system, At::packed(self.clock.now(), self.stepper.start().y, n)) else {
+            return;
+        };
+        let speeds = self.stepper.state_mut()[n..].iter_mut().zip(held);
+        speeds.filter(|(v, held)| *held && v.abs() <= ROUNDING * size).for_each(|(v, _)| *v = 0.0);
     }
 }
 

@@ -1,5 +1,7 @@
 //! Impacts that were refused: `static` larger than `friction`, and floors that are faster at once where no length tells what a gap is beside.
 
+use dalembert::Method;
+
 use super::case;
 
 /// A ball thrown along a rough floor, or dropped onto it.
@@ -124,4 +126,35 @@ fn a_floor_that_is_higher_at_once_is_still_refused() {
     // No force lifts the crate by 1 mm in no time.
     let jumps = LIFT.replace("h0 + h(t/T*s1)", "h0 + d*step(t - T)");
     assert!(case(&jumps).try_run().is_err());
+}
+
+/// Balls on the floor that strike it together without restitution below come to rest at once, at places that are exactly 0.
+const STACK: &str = r#"
+name: Stack
+parameters: {m0: 5 kg, m1: 8 kg, m2: 3 kg, e0: 0.75 1, e1: 0.0 1, e2: 0.5 1}
+gravity: [0, -9.81]
+coordinates: {a: m, b: m, c: m}
+bodies: {ba: {mass: m0, position: "[0, a]"}, bb: {mass: m1, position: "[0, b]"}, bc: {mass: m2, position: "[0, c]"}}
+contacts:
+  c0: {gap: a, on: ba, normal: "[0, 1]", restitution: e0}
+  c1: {gap: b - a, on: bb, from: ba, normal: "[0, 1]", restitution: e1}
+  c2: {gap: c - b, on: bc, from: bb, normal: "[0, 1]", restitution: e2}
+impacts: sequential
+scene: {start: {a: 0, a': -3, b: 0, b': -3, c: 0, c': -3}, until: 0.1}
+"#;
+
+#[test]
+fn an_impact_that_leaves_all_at_rest_leaves_nothing_but_rest() {
+    for method in [Method::Auto, Method::Dop853, Method::Radau5] {
+        let mut case = case(STACK);
+        case.settings.method = method;
+        let run = case.run();
+        for name in ["a", "b", "c", "a'", "b'", "c'"] {
+            assert!(run.last()[name].abs() < 1e-30, "{method:?}: {name} = {}", run.last()[name]);
+        }
+        // The impulses of what was an impact, and none of its rounding: 16 kg at 3 m/s.
+        assert_eq!(run.impulses.len(), 1, "{method:?}");
+        let floor = run.impulses[0].constraints.iter().find(|(name, _)| name == "c0").expect("the floor").1;
+        assert!((floor - 48.0).abs() < 1e-12, "{floor}");
+    }
 }
