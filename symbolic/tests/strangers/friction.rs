@@ -203,3 +203,32 @@ fn families_of_contacts_have_base_cases() {
     refused(&row(pushed, "c[i in 1..n]"), "`c[1]` is given twice in `contacts`");
     refused(&row(pushed, "f[i in 4..n]"), "`f` is given twice in `constraints`, `joints`, `friction` and `contacts`");
 }
+
+/// In every motion in which the gap stays closed the force across is a multiplier of the balances, so that they agree whichever body it acts on.
+#[test]
+fn what_a_contact_touches_is_judged_where_balances_need_it() {
+    let balls = |from: &str, balances: &str| {
+        format!(
+            "name: Balls
+parameters: {{m: 3 kg, g: 9.81 m/s^2}}
+coordinates: {{a: m, b: m, c: m}}
+bodies: {{low: {{mass: m, position: \"[0, a]\"}}, mid: {{mass: m, position: \"[0, b]\"}}, top: {{mass: m, position: \"[0, c]\"}}}}
+gravity: [0, -g]
+contacts:
+  floor: {{gap: a, on: low, normal: \"[0, 1]\"}}
+  one: {{gap: b - a, on: mid, from: low, normal: \"[0, 1]\"}}
+  two: {{gap: c - b, on: top, {from} normal: \"[0, 1]\"}}
+impacts: sequential
+{balances}
+scene: {{start: {{a: 1, b: 2, c: 3}}}}
+"
+        )
+    };
+    let of = |name: &str| format!("{name}: {{force: {{of: {name}, along: \"[0, 1]\"}}}}");
+    let each = format!("balances: {{equations: {{{}, {}, {}}}}}", of("low"), of("mid"), of("top"));
+    accepted(&balls("from: mid,", &each));
+    for from in ["from: low,", ""] {
+        refused(&balls(from, &each), "does not open along its normal");
+        accepted(&balls(from, ""));
+    }
+}

@@ -167,7 +167,7 @@ super::entries! {
         "the mass of `{name}` contains `sign` or `step`, or a value that is held" "what would jump off or on at once" "spread it over a time with `min` and `max`, or a table; what separates is a body of its own, held by a constraint of a phase"
         "Mass that goes at once takes momentum at once, which no force m' (w − v) gives.";
     E462 normal_not_across(name) "a normal that does not fit its gap"
-        "the gap of `{name}` does not open along its normal" "a motion of `on` along this changes the gap otherwise, or not at all" "`normal` points from what is touched towards `on`, across the surface where both touch; `at` is the point of `on` that touches (absent: its centre of mass)"
+        "the gap of `{name}` does not open along its normal" "a motion of `on` along this changes the gap otherwise, or not at all" "`normal` points from what is touched towards `on`, across the surface where both touch; `at` is the point of `on` that touches (absent: its centre of mass), and `from` the body that is touched (absent: the ground)"
         "Balances contain the force along the normal, and friction is limited by it. Where the gap opens in another direction, or at another point, this force is not what keeps the gap from closing.";
     E463 never_happens(name) "an event that never happens"
         "`when` of `{name}` does not change along a run" "an event happens where this passes 0" "write what passes 0: of a place `when: x - x1`, of a time `when: t - t1`, with names of parameters that have units; at equal distances of time `every` instead"

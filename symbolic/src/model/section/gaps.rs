@@ -25,11 +25,14 @@ impl Resolver<'_> {
     /// Measures gaps along their normals, where they are written otherwise (`y - x/2` of a slope): what is across moves σ times as fast as the gap,
     /// so that the force across is the multiplier divided by σ.
     ///
+    /// Balances ask for the force across on both sides, so that a wrong `from` shows where there are some.
+    ///
     /// With constraints beside contacts coordinates may stand for each other, so that rates differ which are the same in every motion: a normal is
     /// not refused then.
     pub fn measure_gaps(&mut self) {
         let own: Vec<usize> = self.contacts.iter().flat_map(ContactText::constraints).collect();
         let alone = own.len() == self.model.constraints.len();
+        let balanced = self.root.get("balances").is_some();
         for contact in self.contacts.clone() {
             let approach = contact.approach.and_then(|item| self.scope.values.get(item).cloned().flatten());
             let (Some(normal), Some(Value::Scalar(approach))) = (contact.normal, approach) else { continue };
@@ -37,10 +40,10 @@ impl Resolver<'_> {
             let Some(opening) = self.opening(gap, approach) else { continue };
             match self.scale_of(&opening) {
                 Some(scale) => self.divide_multiplier(normal, scale),
-                None if alone && (contact.tangent.is_some() || contact.says_where()) => {
+                None if alone && (balanced || contact.tangent.is_some() || contact.says_where()) => {
                     self.builder.problems.push(mechanics::normal_not_across(contact.place.clone(), &contact.name));
                 }
-                // Where nobody says at which point it acts nothing asks for the force across.
+                // Without balances, and where nobody says at which point it acts, nothing asks for the force across.
                 None => {}
             }
         }
