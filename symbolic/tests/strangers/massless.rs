@@ -57,6 +57,21 @@ dampers: {d: {rate: z', damping: c}}
     );
 }
 
+/// Between both springs the force is the same, k z = k (x - w): the sum of both rows of the damper, which contains no speed.
+#[test]
+fn a_damper_between_two_springs_is_accepted() {
+    accepted(
+        "name: Series
+parameters: {m: 1 kg, k: 10 N/m, c: 3 N*s/m}
+coordinates: {x: m, z: m, w: m}
+bodies: {b: {mass: m, position: \"[x, 0]\"}, Z: {mass: 0, position: \"[z, 0]\"}, W: {mass: 0, position: \"[w, 0]\"}}
+springs: {s1: {stretch: z, stiffness: k, on: Z, along: \"[1, 0]\"}, s2: {stretch: x - w, stiffness: k, on: b, from: W, along: \"[1, 0]\"}}
+dampers: {d: {rate: w' - z', damping: c, on: W, from: Z, along: \"[1, 0]\"}}
+scene: {start: {x: 1, z: 0.3, w: 0.7}, until: 3}
+",
+    );
+}
+
 /// An energy that is an integral.
 fn integral(of: &str, range: &str) -> String {
     format!(
