@@ -75,9 +75,9 @@ mod unformed;
 use crate::derive::{Derivation, Equations, Momentum, Rows, derive, derive_with_masses};
 use crate::diagnose::catalogue::{mechanics, verdicts};
 use crate::diagnose::{Place, Problem, listed};
-use crate::expr::Id;
+use crate::expr::{Id, Symbol};
 use crate::model::command::evaluate;
-use crate::model::{Load, Model, Sample, Work, rate_name};
+use crate::model::{Contact, Coordinate, Load, Model, Sample, Work, rate_name};
 use crate::number::DoubleDouble;
 
 use claims::Claims;
@@ -171,7 +171,7 @@ impl Gate {
         let problems = match rows.is_empty() {
             _ if eliminated.is_some() => Vec::new(),
             true => massless(model, equations),
-            false => weightless(model, equations),
+            false => [weightless(model, equations), touched(model, equations)].concat(),
         };
         if !problems.is_empty() {
             return Err(problems);
@@ -389,6 +389,24 @@ const PARTICULAR: &str = " for these values of the parameters";
 fn weightless(model: &Model, equations: &[Equations]) -> Vec<Problem> {
     let first = model.coordinates.first().filter(|_| equations[0].mass.is_empty());
     first.map(|coordinate| mechanics::nothing_has_mass(coordinate.place.clone())).into_iter().collect()
+}
+
+/// Coordinates without an entry on M's diagonal that contacts hold in some phases, and nothing in others.
+fn touched(model: &Model, equations: &[Equations]) -> Vec<Problem> {
+    let contains = |constraint: usize, i: usize| {
+        let symbols = model.graph.symbols(model.constraints[constraint].value.iter().copied());
+        symbols.contains(&Symbol::Coordinate(i as u32)) || symbols.contains(&Symbol::Speed(i as u32))
+    };
+    let problem = |i: usize| {
+        let holds =
+            |contact: &&Contact| [contact.normal, contact.tangent].into_iter().flatten().any(|c| contains(c, i));
+        let contact = model.contacts.iter().find(holds)?;
+        let phase = model.phases.iter().find(|phase| !phase.constraints.iter().any(|c| contains(*c, i)))?;
+        let Coordinate { name, place, .. } = &model.coordinates[i];
+        Some(mechanics::touched_without_mass(place.clone(), name, &contact.name, &phase.name))
+    };
+    let moved = |i: &usize| equations[0].mass.iter().any(|e| (e.0, e.1) == (*i, *i));
+    (0..model.coordinates.len()).filter(|i| !moved(i)).filter_map(problem).collect()
 }
 
 /// Coordinates without an entry on M's diagonal.

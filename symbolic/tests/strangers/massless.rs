@@ -72,6 +72,24 @@ scene: {start: {x: 1, z: 0.3, w: 0.7}, until: 3}
     );
 }
 
+/// Slipping would begin with the speed of the block at once.
+#[test]
+fn friction_at_a_point_without_mass_is_refused() {
+    let jenkins = |mass: &str| {
+        format!(
+            "name: Jenkins
+parameters: {{m: 1 kg, k: 10 N/m, F: 1 N}}
+coordinates: {{x: m, z: m}}
+bodies: {{b: {{mass: m, position: \"[x, 0]\"}}, Z: {{mass: {mass}, position: \"[z, 0]\"}}}}
+springs: {{s: {{stretch: x - z, stiffness: k, on: b, from: Z, along: \"[1, 0]\"}}}}
+friction: {{rub: {{rate: z', on: Z, along: \"[1, 0]\", limit: F}}}}
+"
+        )
+    };
+    refused(&jenkins("0"), "carries no mass, and `rub` touches what it moves");
+    accepted(&jenkins("m"));
+}
+
 /// An energy that is an integral.
 fn integral(of: &str, range: &str) -> String {
     format!(

@@ -172,4 +172,7 @@ super::entries! {
     E463 never_happens(name) "an event that never happens"
         "`when` of `{name}` does not change along a run" "an event happens where this passes 0" "write what passes 0: of a place `when: x - x1`, of a time `when: t - t1`, with names of parameters that have units; at equal distances of time `every` instead"
         "Parameters are constant along a run: what is made of them passes 0 nowhere.";
+    E464 touched_without_mass(name, contact, phase) "a contact or friction of what has no mass"
+        "the coordinate `{name}` carries no mass, and `{contact}` touches what it moves" "nothing determines it while `{phase}`" "give what `{contact}` touches a mass; a spring in series with dry friction may be a state of first order instead, whose rate is that of the spring while its force is below the limit"
+        "What has no mass is where the forces on it balance, at every instant. Friction that begins to slip would let it start at once with the speed of what pulls it, and the choice between sticking and slipping goes by accelerations.";
 }
