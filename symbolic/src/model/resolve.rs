@@ -118,6 +118,7 @@ fn resolve_through(
     resolver.finish_states(&states);
     resolver.finish_constraints(constraints);
     // 3. Where runs start; look in `scenes.rs`.
+    resolver.look_for_knots(&bodies);
     let held = resolver.scenes();
     resolver.samples();
     // 4. What has mass, and what acts on it; look in `bodies.rs`, `loads.rs` and `attachment.rs`.

@@ -39,6 +39,8 @@ pub struct Resolver<'a> {
     pub fixed: Vec<Fixed>,
     /// Masses and moments of inertia: values, what they are, where they stand.
     pub masses: Vec<(Id, &'static str, Place)>,
+    /// Whether a coordinate moves points without mass alone, which are where the forces on them balance: that is searched for.
+    pub has_knots: bool,
     /// Files that the model names.
     pub files: Files,
     /// Contacts, to be looked at when values are known.
@@ -64,6 +66,7 @@ impl<'a> Resolver<'a> {
             watched: BTreeMap::new(),
             fixed: Vec::new(),
             masses: Vec::new(),
+            has_knots: false,
             contacts: Vec::new(),
             files: files.clone(),
             blocks: Blocks::default(),

@@ -72,6 +72,15 @@ scene: {start: {x: 1, z: 0.3, w: 0.7}, until: 3}
     );
 }
 
+#[test]
+fn a_knot_may_be_guessed() {
+    let scene = |of: &str| {
+        knot("MASS", &format!("gravity: [0, -9.81]\nscene: {{start: {{x: 0.7, y: -1.2}}, guess: {{{of}: 0.5}}}}"))
+    };
+    accepted(&scene("zx").replace("MASS", "0"));
+    refused(&scene("zx").replace("MASS", "m"), "nothing is left to guess");
+}
+
 /// Slipping would begin with the speed of the block at once.
 #[test]
 fn friction_at_a_point_without_mass_is_refused() {

@@ -1,12 +1,15 @@
 //! Masses, gravity, energies.
 
-use super::declare::DeclaredBody;
+use std::collections::BTreeSet;
+
+use super::declare::{BodyText, DeclaredBody};
 use super::inertia::{Moments, nine, tensor};
 use super::resolve_values::has_direction;
 use crate::diagnose::Place;
 use crate::diagnose::catalogue::{mechanics, names};
 use crate::expr::{Id, Node, Rational, Symbol, vectors};
 use crate::file::{Quantity, Text};
+use crate::language::AstKind;
 use crate::model::expression::dimension::{Dimension, Measure};
 use crate::model::expression::families::Locals;
 use crate::model::expression::quantities::stands_alone;
@@ -94,6 +97,20 @@ impl Resolver<'_> {
         self.axes_with_direction();
         self.positive_masses();
         self.possible_inertias(&spatial);
+    }
+
+    /// Notes whether some coordinate moves points alone whose mass is written as 0.
+    pub fn look_for_knots(&mut self, declared: &[DeclaredBody]) {
+        let mut moved = [BTreeSet::new(), BTreeSet::new()];
+        for (body, names) in declared.iter().zip(&self.scope.bodies) {
+            let BodyText { mass, inertia, .. } = &*body.text;
+            let is_zero = |mass: &Quantity| matches!(&mass.text.ast.kind, AstKind::Number(number) if number.parse::<f64>() == Ok(0.0));
+            let resists = inertia.is_some() || !mass.as_ref().is_none_or(is_zero);
+            let Some(Value::Vector(position)) = self.scope.value(names.position) else { continue };
+            let symbols = self.builder.graph.symbols(position.iter().copied());
+            moved[usize::from(resists)].extend(symbols.into_iter().filter(|s| matches!(s, Symbol::Coordinate(_))));
+        }
+        self.has_knots = moved[0].difference(&moved[1]).next().is_some();
     }
 
     /// ½ m v·v and ½ I ω².

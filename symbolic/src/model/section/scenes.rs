@@ -117,7 +117,7 @@ impl Resolver<'_> {
         if let Some(start_conditions) = get("also") {
             self.also_held(&start_conditions, held);
         }
-        let solved = get("also").is_some() || !self.model.phases[scene.phase].constraints.is_empty();
+        let solved = get("also").is_some() || !self.model.phases[scene.phase].constraints.is_empty() || self.has_knots;
         match get("guess") {
             Some(guess) if solved => self.guess(&guess, &mut scene),
             Some(guess) if texts[0].get("guess").is_some() => {
