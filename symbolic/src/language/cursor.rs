@@ -1,5 +1,6 @@
 //! A position among tokens, what was wrong before it, and how that is told.
 
+use super::function::at_another_time;
 use super::token::{Kind, Token, shorten, tokens};
 use crate::diagnose::{Problem, catalogue::syntax};
 
@@ -121,12 +122,25 @@ impl<'a> Parser<'a> {
                 let number = format!("{}.{}", left.text, self.after().text);
                 syntax::decimal_comma(whole.place(), shorten(&number))
             }
+            Kind::Open if left.kind == Kind::Prime => syntax::missing_operator(
+                place,
+                shorten(left.text),
+                shorten(right.text),
+                at_another_time(&self.rate_before()),
+            ),
             Kind::Number | Kind::Name | Kind::Open | Kind::OpenBracket => {
                 syntax::missing_operator(place, shorten(left.text), shorten(right.text), product(left, right))
             }
             _ => return self.unexpected(expected),
         };
         self.report(problem)
+    }
+
+    /// `x'` of a name with primes that ends before the next token.
+    fn rate_before(&self) -> String {
+        let before = &self.tokens[..self.at];
+        let primes = before.iter().rev().take_while(|token| token.kind == Kind::Prime).count();
+        before[before.len().saturating_sub(primes + 1)..].iter().map(|token| token.text).collect()
     }
 
     pub fn close(&mut self, open: Token<'a>, closing: Kind) -> Parsed<()> {

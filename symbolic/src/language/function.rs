@@ -70,6 +70,19 @@ const ELSEWHERE: &[(&[&str], &str)] = &[
     (&["normalize", "normalise"], "unit(r)"),
 ];
 
+/// What stands for a delay: Padé's approximation of order 1, of which the phase lags by ωτ to (ωτ)³/12.
+pub fn lag(name: &str) -> String {
+    format!(
+        "a run knows the present state only: of `{name}` a time tau ago, with `states: {{lag: {{unit: …, rate: 2*({name} - lag)/tau}}}}` and its unit, \
+         `2*lag - {name}` is near (Padé), with a phase off by (omega*tau)^3/12"
+    )
+}
+
+/// What is said of `name(…)` where the name is that of a value: a product, or the value at another time.
+pub fn at_another_time(name: &str) -> String {
+    format!("a product needs `*`: `{name}*(…)`; where it is another time that is meant, {}", lag(name))
+}
+
 /// How a function of another language is written here.
 pub fn written_here(name: &str) -> Option<&'static str> {
     ELSEWHERE.iter().find(|(names, _)| names.contains(&name)).map(|(_, here)| *here)

@@ -13,7 +13,7 @@ mod value;
 mod tests;
 
 pub use ast::{Ast, AstKind, FRICTION, Key, KeyIndex, Operator, Range, SCALAR, Valued};
-pub use function::{FUNCTIONS, Function, RESERVED, function, is_reserved, written_here};
+pub use function::{FUNCTIONS, Function, RESERVED, at_another_time, function, is_reserved, lag, written_here};
 pub use key::parse_key;
 pub use parse::{DEEPEST, parse, parse_bounds, parse_equation};
 pub use unit::{BASES, Unit, parse_unit};

@@ -106,6 +106,12 @@ fn messages() {
         ("2x", "E106 1..2 an operator is missing between `2` and `x` did you mean `2*x`?"),
         ("2 (a + b)", "E106 2..3 an operator is missing between `2` and `(` did you mean `2*(…)`?"),
         ("(a)(b)", "E106 3..4 an operator is missing between `)` and `(` did you mean `…)*(…)`?"),
+        (
+            "x'(t - tau)",
+            "E106 2..3 an operator is missing between `'` and `(` a product needs `*`: `x'*(…)`; where it is another time that is meant, a run \
+             knows the present state only: of `x'` a time tau ago, with `states: {lag: {unit: …, rate: 2*(x' - lag)/tau}}` and its unit, \
+             `2*lag - x'` is near (Padé), with a phase off by (omega*tau)^3/12",
+        ),
         ("m g", "E106 2..3 an operator is missing between `m` and `g` did you mean `m*g`?"),
         ("sin x", "E106 4..5 an operator is missing between `sin` and `x` did you mean `sin(x)`?"),
         (

@@ -9,16 +9,8 @@ use super::value::Value;
 use crate::diagnose::catalogue::{mechanics, names, states};
 use crate::diagnose::did_you_mean;
 use crate::expr::{Binary, Id, Scalar, Symbol, Unary, vectors};
-use crate::language::{Ast, AstKind, FUNCTIONS, Span, function, written_here};
+use crate::language::{Ast, AstKind, FUNCTIONS, Span, at_another_time, function, lag, written_here};
 use crate::number::DoubleDouble;
-
-/// What stands for a delay: Padé's approximation of order 1, of which the phase lags by ωτ to (ωτ)³/12.
-fn lag(name: &str) -> String {
-    format!(
-        "a run knows the present state only: of `{name}` a time tau ago, with `states: {{lag: {{unit: …, rate: 2*({name} - lag)/tau}}}}` and its unit, \
-         `2*lag - {name}` is near (Padé), with a phase off by (omega*tau)^3/12"
-    )
-}
 
 impl Lower<'_> {
     /// The value of `name(arguments)`.
@@ -33,9 +25,7 @@ impl Lower<'_> {
             let help = match (name, written_here(name)) {
                 ("delay" | "delayed" | "lag", _) => lag("x"),
                 (_, Some(here)) => format!("it is written `{here}`"),
-                _ if help.is_empty() && self.scope.names.contains_key(name) => {
-                    format!("a product needs `*`: `{name}*(…)`; where it is another time that is meant, {}", lag(name))
-                }
+                _ if help.is_empty() && self.scope.names.contains_key(name) => at_another_time(name),
                 _ => help,
             };
             return self.refuse(names::unknown_function(self.place(name_span), name, help));
