@@ -107,6 +107,9 @@ pub fn run(
     let mut written = Vec::new();
     pictures(loaded, options, &found.linear, &modes, &mut written)?;
     state_space::write(&loaded.name, options, || state_space::of_model(loaded, options, reader, model), &mut written)?;
+    if state_space::goes_to_output(options)? {
+        return Ok(out.write_all(&written)?);
+    }
     if options.get_flag("json") {
         let reactions =
             names.iter().zip(&found.multipliers).map(|(row, value)| (row.row.clone(), json::number(*value)));
@@ -173,6 +176,9 @@ fn by_departures(
     if let Some(model) = model {
         let space = || state_space::of_model(loaded, options, reader, model);
         state_space::write(&loaded.name, options, space, &mut written)?;
+        if state_space::goes_to_output(options)? {
+            return Ok(out.write_all(&written)?);
+        }
     }
     let untried = integrals::notes(system, &found.equilibrium, locus.as_ref());
     let more = driven.iter().flat_map(Driven::notes).chain(locus.iter().flat_map(Locus::notes));

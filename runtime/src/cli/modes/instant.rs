@@ -54,6 +54,9 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     }
     let mut written = Vec::new();
     state_space::write(&loaded.name, options, || Ok(found.clone()), &mut written)?;
+    if state_space::goes_to_output(options)? {
+        return Ok(out.write_all(&written)?);
+    }
     if options.get_flag("json") {
         let eigenvalues = departures.eigenvalues();
         let pairs = eigenvalues.iter().map(|value| json!([number(value.re), number(value.im)]));

@@ -92,6 +92,9 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     pictures(&loaded, options, &linear, &modes, &mut written)?;
     let space = || state_space::of_model(&loaded, options, &mut reader, model);
     state_space::write(&loaded.name, options, space, &mut written)?;
+    if state_space::goes_to_output(options)? {
+        return Ok(out.write_all(&written)?);
+    }
     if options.get_flag("json") {
         let mut more = further.as_json();
         more.extend(trim.iter().map(Trim::as_json));

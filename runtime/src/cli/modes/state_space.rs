@@ -154,8 +154,18 @@ pub fn write(
         "npz" => arrays(found).ok_or_else(|| Problem::File(npz::too_large(path)))?,
         "m" => script(name, found).into_bytes(),
         "csv" => table(found).into_bytes(),
-        _ => (serde_json::to_string_pretty(&as_json(name, found, [])).unwrap_or_default() + "\n").into_bytes(),
+        _ => {
+            let ranks = [
+                ("controllability_rank", found.controllability_rank()),
+                ("observability_rank", found.observability_rank()),
+            ];
+            let ranks = ranks.map(|(key, rank)| (key.to_owned(), json!(rank)));
+            (serde_json::to_string_pretty(&as_json(name, found, ranks)).unwrap_or_default() + "\n").into_bytes()
+        }
     };
+    if path == "-" {
+        return Ok(out.write_all(&bytes)?);
+    }
     outputs::write(path, bytes)?;
     if options.get_flag("json") {
         return Ok(());
@@ -165,21 +175,40 @@ pub fn write(
     let (inputs, outputs) = (counted(m, "input"), counted(found.outputs.len(), "output"));
     writeln!(out, "{path}: x' = A x + B u, y = C x + D u, of {states}, {inputs} and {outputs}")?;
     if m > 0 {
-        told(["inputs reach", "inputs do not reach"], found.uncontrollable(), out)?;
+        told(
+            ["inputs reach", "inputs do not reach"],
+            (found, found.controllability_rank()),
+            found.uncontrollable(),
+            out,
+        )?;
     }
-    told(["outputs show", "outputs do not show"], found.unobservable(), out)
+    told(["outputs show", "outputs do not show"], (found, found.observability_rank()), found.unobservable(), out)
 }
 
-/// Whether all motions are reached, or which are not.
+/// Whether the matrices go to standard output, in the place of the report.
+///
+/// # Errors
+/// Where the report is data, too.
+pub fn goes_to_output(options: &ArgMatches) -> Result<bool, Problem> {
+    let goes = options.get_one::<String>("state-space").is_some_and(|path| path == "-");
+    if goes && options.get_flag("json") {
+        return Err(Problem::usage("--state-space - and --json both ask for standard output; name a file for one"));
+    }
+    Ok(goes)
+}
+
+/// Whether all motions are reached, or which are not; with Kalman's rank.
 fn told(
     [all, some]: [&str; 2],
+    (space, rank): (&InputOutput, usize),
     found: Result<Vec<Unreached>, LinearError>,
     out: &mut dyn Write,
 ) -> Result<(), Problem> {
     let found = found.map_err(failed)?;
     if found.is_empty() {
-        return Ok(writeln!(out, "  {all} all motions")?);
+        return Ok(writeln!(out, "  {all} all motions (rank {rank})")?);
     }
+    writeln!(out, "  {all} {rank} of {} directions (rank {rank})", space.states.len())?;
     for Unreached { eigenvalue, directions, state } in found {
         let [re, im] = [eigenvalue.re, eigenvalue.im].map(|part| short_beside(part, eigenvalue.norm()));
         let value = if im == "0" { re } else { format!("{re} ± {im}i") };

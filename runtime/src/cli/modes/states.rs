@@ -49,6 +49,9 @@ pub fn run(
     let mut written = Vec::new();
     let space = || state_space::of_states(loaded, options, reader, &found);
     state_space::write(&loaded.name, options, space, &mut written)?;
+    if state_space::goes_to_output(options)? {
+        return Ok(out.write_all(&written)?);
+    }
     if options.get_flag("json") {
         return Ok(json::write(&as_json(&loaded.name, &found, trim.as_ref(), &contacts), out)?);
     }

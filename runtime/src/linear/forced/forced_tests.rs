@@ -277,3 +277,26 @@ fn steps_impulses_and_sampled_forces_agree_with_closed_forms() {
     let sampled = oscillator.forced_motion(&[0.0], &[0.0], &ramp, 0.5).unwrap();
     close(sampled.x[(4, 0)], 2.0 - 6.0_f64.sin() / 3.0, 1e-13);
 }
+
+/// Of two bodies on a rail a force on the first reaches two of four directions, though the eigenvalue 0 has one shape that it does not reach; the
+/// speed of the first shows one, its place two.
+#[test]
+fn ranks_count_all_that_is_reached() {
+    let named = |names: &[&str]| names.iter().map(|name| [(*name).to_owned(), String::new()]).collect::<Vec<_>>();
+    let mut a = DMatrix::zeros(4, 4);
+    (a[(0, 2)], a[(1, 3)]) = (1.0, 1.0);
+    let row = |place: usize| DMatrix::from_fn(1, 4, |_, i| f64::from(u8::from(i == place)));
+    let space = |seen: usize| InputOutput {
+        states: named(&["x", "z", "x'", "z'"]),
+        inputs: named(&["f"]),
+        outputs: named(&["y"]),
+        a: a.clone(),
+        b: row(2).transpose() * 1e-3,
+        c: row(seen),
+        d: DMatrix::zeros(1, 1),
+    };
+    assert_eq!(space(0).controllability_rank(), 2);
+    assert_eq!([0, 2].map(|seen| space(seen).observability_rank()), [2, 1]);
+    let none = InputOutput { b: DMatrix::zeros(4, 0), inputs: Vec::new(), ..space(0) };
+    assert_eq!(none.controllability_rank(), 0);
+}

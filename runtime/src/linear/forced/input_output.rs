@@ -48,6 +48,39 @@ const UNREACHED: f64 = 1e-8;
 /// Eigenvalues closer than this part of the largest are one.
 const SAME: f64 = 1e-7;
 
+/// The dimension of what A makes of the columns of B, by orthogonal directions one power after another: powers of A themselves would lose the small
+/// ones in rounding.
+fn reached(a: &DMatrix<f64>, b: &DMatrix<f64>) -> usize {
+    let (s, (a, scales)) = (a.nrows(), balanced(a));
+    let size = a.amax();
+    let mut last = DMatrix::from_fn(s, b.ncols(), |i, k| b[(i, k)] / scales[i]);
+    // Units of inputs are anything.
+    for mut column in last.column_iter_mut() {
+        let norm = column.norm();
+        column.scale_mut(if norm > 0.0 { 1.0 / norm } else { 0.0 });
+    }
+    let mut basis = DMatrix::<f64>::zeros(s, 0);
+    while !last.is_empty() {
+        // Twice: what is left of a direction that is nearly known is rounded beside what was taken off.
+        for _ in 0..2 {
+            last -= &basis * basis.tr_mul(&last);
+        }
+        let Some(parts) = svd(last, true, false) else { return basis.ncols() };
+        let Some(left) = &parts.u else { return basis.ncols() };
+        let new: Vec<usize> = (0..left.ncols()).filter(|k| parts.singular_values[*k] > UNREACHED).collect();
+        if new.is_empty() {
+            return basis.ncols();
+        }
+        let new = left.select_columns(&new);
+        basis = DMatrix::from_fn(s, basis.ncols() + new.ncols(), |i, k| match k.checked_sub(basis.ncols()) {
+            Some(k) => new[(i, k)],
+            None => basis[(i, k)],
+        });
+        last = &a * new * if size > 0.0 { 1.0 / size } else { 0.0 };
+    }
+    basis.ncols()
+}
+
 /// An input, with its name and unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedDrive {
@@ -206,6 +239,16 @@ impl InputOutput {
     /// [`LinearError::NoConvergence`] of the eigenvalues.
     pub fn unobservable(&self) -> Result<Vec<Unreached>, LinearError> {
         self.unreached(&self.a, &self.c)
+    }
+
+    /// The rank of [B, A B, A² B …]: in how many directions inputs reach the state (Kalman).
+    pub fn controllability_rank(&self) -> usize {
+        reached(&self.a, &self.b)
+    }
+
+    /// The rank of [C; C A; C A² …]: in how many directions outputs show the state.
+    pub fn observability_rank(&self) -> usize {
+        reached(&self.a.transpose(), &self.c.transpose())
     }
 
     /// λ at which [λ − A; C] has no full rank.
