@@ -61,6 +61,15 @@ fn van_der_pols_oscillator_has_its_period_and_a_multiplier_far_below_rounding() 
     assert!(count >= 4, "{count} of 6");
 }
 
+/// What is known beforehand is so at a loose tolerance, too.
+#[test]
+fn a_loose_tolerance_leaves_the_multiplier_of_time_known() {
+    let found = told(&[&van_der_pol(), "--set", "mu=5", "--tolerance", "1e-4"]).unwrap();
+    assert_eq!(found["known"], serde_json::json!(["time"]), "{found}");
+    let expected = number(&reference("van_der_pol")["mu"]["5"]["multiplier"]).ln();
+    near(number(&found["whole"][0]["log_abs"]), expected, number(&found["whole"][0]["error"]));
+}
+
 /// The figure eight from its eight digits: T |E|^1.5 does not depend on which member of its family is found.
 #[test]
 fn the_figure_eight_is_found_with_its_eight_multipliers_of_one() {
@@ -187,6 +196,29 @@ fn a_forced_response_turns_back_where_the_reference_says() {
         number(&first["log_abs"]) > 1e-6
     });
     assert!(unstable.count() > 3);
+}
+
+/// A mass between a floor and a wall, off which it bounces without loss: two motions of one freedom, each with its own energy, whose four multipliers
+/// are 1.  Two of them come apart by the root of rounding.
+#[test]
+fn a_double_multiplier_of_one_grows_by_rounding_alone() {
+    let file = written(
+        "name: Parts\nparameters: {m: 1 kg, g: 10 m/s^2, e: 1, d: 1 m, k: 4 N/m}\ncoordinates: {x: m, y: m}\n\
+         points: {P: \"[x, y]\"}\nbodies: {b: {mass: m, position: P}}\n\
+         springs: {s: {stretch: x, stiffness: k, along: ground.x, on: b}}\ngravity: [0, -g]\n\
+         constraints: {floor: y, wall: x - d}\nphases: {free: [], f: [floor], w: [wall]}\nevents:\n\
+         \x20 bounce: {phase: free, when: y, direction: falling, then: {impact: e, along: floor}}\n\
+         \x20 hit: {phase: free, when: x - d, direction: rising, then: {impact: e, along: wall}}\n\
+         scene: {start: {x: 0, y: 0.8, x': 2.5, y': 0}, until: 20, tolerance: 1e-12}\n",
+    );
+    for more in [&["--period", "1.6"][..], &[]] {
+        let found = told(&[&[file.as_str()], more].concat()).unwrap();
+        assert_eq!(found["stable"], true, "{found}");
+        for multiplier in found["multipliers"].as_array().unwrap() {
+            let off = (number(&multiplier["re"]) - 1.0).hypot(number(&multiplier["im"]));
+            assert!(off <= number(&multiplier["error"]) && off < 1e-5, "{multiplier}");
+        }
+    }
 }
 
 fn compass(masses: &str) -> String {

@@ -279,7 +279,9 @@ pub(super) fn multipliers(list: &[Multiplier]) -> String {
             () if multiplier.log_abs == f64::NEG_INFINITY => "0".to_owned(),
             () if multiplier.error >= 1.0 => format!("below {}", crate::numbers::short(size + error)),
             () if size < 1e-12 => format!("e^{}", written(multiplier.log_abs, multiplier.error)),
-            () if multiplier.im == 0.0 => written(multiplier.re, error),
+            () if multiplier.im == 0.0 || multiplier.im.abs() <= multiplier.error * size => {
+                written(multiplier.re, error)
+            }
             () => {
                 let sign = if multiplier.im < 0.0 { "-" } else { "+" };
                 format!("{} {sign} {} i", written(multiplier.re, error), written(multiplier.im.abs(), error))

@@ -8,7 +8,7 @@ use super::found::Orbit;
 use super::guess::{self, begin_at, sizes_of_pieces, states_of};
 use super::laps::{Laps, Point, Solution, Time, itinerary, lcm};
 use super::smallest::{self, FOLLOWS, WithPeriod};
-use super::stability::{Spectrum, beside, spectrum};
+use super::stability::{Spectrum, spectrum};
 use super::structure::{self, Known};
 use crate::error::{Error, NoOrbit};
 use crate::find::Value;
@@ -315,6 +315,10 @@ impl Begun {
         let moved =
             finer.as_ref().map(|finer| solution.linear.step(&finer.r) - solution.linear.step(&solution.trial.r));
         let finer_found = finer.as_ref().map(|finer| spectrum(laps, finer));
+        let mut multipliers = found.with_errors(finer_found.as_ref());
+        if finer_found.is_none() {
+            multipliers.iter_mut().for_each(|multiplier| multiplier.error = f64::NAN);
+        }
         let width = 2 * laps.n();
         let error = |i: usize| moved.as_ref().map_or(f64::NAN, |moved| TOLD * moved[i].abs() + solution.last);
         let names = Names::of(laps.system.description()).columns();
@@ -364,7 +368,7 @@ impl Begun {
             start,
             part,
             map: laps.closing.words(laps.system.description()),
-            multipliers: beside(&found, finer_found.as_ref()),
+            multipliers,
             known: found.known.clone(),
             superstable: found.lost,
             free,

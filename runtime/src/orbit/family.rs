@@ -46,7 +46,7 @@ pub struct Member {
     pub start: Vec<f64>,
     /// How far each of [q; q'] goes from its middle.
     pub amplitudes: Vec<f64>,
-    /// Multipliers of the map.
+    /// Multipliers of the map, with what the largest stretch of a piece leaves unknown of them as their errors: no more accurate flow is made.
     pub multipliers: Vec<Multiplier>,
     /// Whether it was asked for, or only passed.
     pub asked: bool,

@@ -54,7 +54,8 @@ pub struct Multiplier {
     pub log_abs: f64,
     /// arg μ, rad.
     pub angle: f64,
-    /// How far it may be off, as a part of |μ|: twice the difference to more accurate flows.
+    /// How far it may be off, as a part of |μ|: twice the difference to more accurate flows, and no less than what the largest stretch of a piece
+    /// leaves of it, or than how far it is from another one of which it may be the double.
     pub error: f64,
 }
 

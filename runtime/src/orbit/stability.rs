@@ -10,6 +10,8 @@ use super::structure::{self, Known};
 use crate::matrix::svd;
 use crate::vary::{Leg, TOLD, put};
 
+/// A double multiplier of a map without two directions of its own comes apart by so many times the root of what the map is off by: μ ± √δ.
+const COMES_APART: f64 = 2.0;
 /// A direction has an image at all where the map leaves this part of it.
 const LEAVES: f64 = 1e-6;
 
@@ -38,6 +40,35 @@ impl Spectrum {
     /// How well changes over a piece are known: to the tolerance, beside the largest stretch.
     pub fn noise(&self) -> f64 {
         self.tolerance * self.stretch
+    }
+
+    /// What is left unknown of a multiplier, as a part of it: that of changes which are far smaller than the largest of a piece, and, of two that may
+    /// be one, how far apart they are.
+    fn unsure(&self, polar: &Polar) -> f64 {
+        if polar.log == f64::NEG_INFINITY {
+            return 0.0;
+        }
+        let piece = self.noise() / (polar.log / self.pieces as f64).exp().min(self.stretch);
+        let may_be_one = COMES_APART * (self.pieces as f64 * piece).sqrt();
+        let gaps = self.multipliers.iter().map(|other| apart(polar, other)).filter(|gap| *gap <= may_be_one);
+        gaps.fold(piece, f64::max)
+    }
+
+    /// What is left unknown of a product of the differences of all multipliers from a value on the unit circle, each in parts of the larger.
+    pub fn least_product(&self) -> f64 {
+        self.multipliers.iter().map(|polar| self.unsure(polar) * polar.log.min(0.0).exp()).fold(0.0, f64::max)
+    }
+
+    /// Multipliers with what is left unknown of them; beside finer ones also with how far they are from these.
+    pub fn with_errors(&self, finer: Option<&Spectrum>) -> Vec<Multiplier> {
+        let nearest = |polar: &Polar| {
+            let found = |finer: &Spectrum| {
+                finer.multipliers.iter().map(|other| apart(polar, other)).fold(f64::INFINITY, f64::min)
+            };
+            TOLD * finer.map_or(0.0, found)
+        };
+        let of = |polar: &Polar| Multiplier::of(polar.log, polar.angle, nearest(polar).max(self.unsure(polar)));
+        self.multipliers.iter().map(of).collect()
     }
 }
 
@@ -125,7 +156,10 @@ pub(super) fn spectrum(laps: &mut Laps, trial: &Trial) -> Spectrum {
     let maps: Vec<DMatrix<f64>> = (0..count).map(|k| map(laps, trial, k)).collect();
     let ended = matches!(laps.closing.by, By::After { .. });
     let tolerance = laps.settings.tolerance;
-    let held = |gradient: bool, name: &usize| is_held(&places, &maps, (gradient, *name), ended);
+    // Directions are those of the next start, which the end of a piece misses by what is left of r.
+    let off = tolerance + trial.r.norm();
+    let unknown: Vec<f64> = trial.pieces.iter().zip(&maps).map(|(piece, map)| off * magnified(piece, map)).collect();
+    let held = |gradient: bool, name: &usize| is_held(&places, &maps, (gradient, *name), (ended, &unknown));
     let gradients: Vec<usize> = (0..places[0].gradients.len()).filter(|name| held(true, name)).collect();
     let generators: Vec<usize> = (0..places[0].generators.len()).filter(|name| held(false, name)).collect();
     let mut bases: Vec<DMatrix<f64>> = places.iter().map(|place| place.others(&gradients, &generators)).collect();
@@ -146,8 +180,13 @@ pub(super) fn spectrum(laps: &mut Laps, trial: &Trial) -> Spectrum {
 }
 
 /// Whether the map of every piece takes a gradient or a generator to that of the next one, or, where an event ends the motion, takes a
-/// generator to next to nothing.
-fn is_held(places: &[Place], maps: &[DMatrix<f64>], (gradient, name): (bool, usize), ended: bool) -> bool {
+/// generator to next to nothing.  By how much each map is off is told.
+fn is_held(
+    places: &[Place],
+    maps: &[DMatrix<f64>],
+    (gradient, name): (bool, usize),
+    (ended, unknown): (bool, &[f64]),
+) -> bool {
     let inside = |known: &Known, basis: &DMatrix<f64>| Known {
         name: known.name.clone(),
         direction: basis.transpose() * &known.direction,
@@ -157,9 +196,16 @@ fn is_held(places: &[Place], maps: &[DMatrix<f64>], (gradient, name): (bool, usi
         let before = inside(place.known(gradient, name), &place.tangent);
         let behind = inside(next.known(gradient, name), &next.tangent);
         let map = next.tangent.transpose() * &maps[k] * &place.tangent;
-        structure::holds(&map, &before, &behind, gradient)
+        structure::holds(&map, (&before, &behind), gradient, unknown[k])
             || !gradient && ended && (&map * &before.direction).norm() <= LEAVES * map.norm() * before.direction.norm()
     })
+}
+
+/// By how much the map of a piece magnifies errors of the motion: as changes, and where an event is crossed once more, since its slopes grow as fast
+/// as the speed v of the crossing goes to 0, like 1/v.
+fn magnified(piece: &Leg, map: &DMatrix<f64>) -> f64 {
+    let size = map.norm();
+    if piece.run.junctions.is_empty() { size } else { size * size.max(1.0) }
 }
 
 /// The same with 1 as the largest length: what is none but for rounding stays so.
@@ -243,29 +289,12 @@ fn dimensions(laps: &Laps, trial: &Trial) -> Dimensions {
     Dimensions { start, most: extreme(usize::max), least: extreme(usize::min) }
 }
 
-/// Multipliers with their errors: how they differ from those of more accurate flows, and what the largest stretch of a piece, whose changes are known
-/// to the tolerance beside it, leaves of smaller ones.
-pub(super) fn beside(found: &Spectrum, finer: Option<&Spectrum>) -> Vec<Multiplier> {
-    let nearest = |polar: &Polar| {
-        let Some(finer) = finer else { return f64::NAN };
-        let apart = |other: &Polar| {
-            if polar.log == f64::NEG_INFINITY && other.log == f64::NEG_INFINITY {
-                return 0.0;
-            }
-            (polar.log - other.log).hypot(turn(polar.angle - other.angle))
-        };
-        TOLD * finer.multipliers.iter().map(apart).fold(f64::INFINITY, f64::min)
-    };
-    let shadowed = |polar: &Polar| match polar.log == f64::NEG_INFINITY {
-        true => 0.0,
-        false => found.noise() / (polar.log / found.pieces as f64).exp().min(found.stretch),
-    };
-    let error = |polar: &Polar| nearest(polar).max(shadowed(polar));
-    let of = |polar: &Polar| {
-        let error = if finer.is_none() { f64::NAN } else { error(polar) };
-        Multiplier::of(polar.log, polar.angle, error)
-    };
-    found.multipliers.iter().map(of).collect()
+/// How far two multipliers are apart, in parts of them.
+fn apart(a: &Polar, b: &Polar) -> f64 {
+    if a.log == f64::NEG_INFINITY && b.log == f64::NEG_INFINITY {
+        return 0.0;
+    }
+    (a.log - b.log).hypot(turn(a.angle - b.angle))
 }
 
 /// An angle from −π to π.

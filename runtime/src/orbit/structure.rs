@@ -8,7 +8,8 @@ use crate::mechanism::dense::{constraint_matrix, mass_matrix};
 use crate::mechanism::{Along, At, Function, System, rows_in_force};
 use crate::run::Side;
 
-/// A direction counts as known where the computed map takes it to where it must go to this part of it: flows are known to some ten digits.
+/// A direction counts as known where the computed map takes it to where it must go to this part of it, or to what the tolerance leaves unknown:
+/// flows at the tightest are known to some ten digits.
 const HOLDS: f64 = 1e-6;
 /// Directions that others contain up to this part of them are none of their own.
 pub(super) const CONTAINED: f64 = 1e-6;
@@ -267,14 +268,14 @@ fn echelon(list: &[DVector<f64>]) -> Vec<DVector<f64>> {
     rows
 }
 
-/// Of directions before a map those that it takes into the span of the same ones behind it, or, for gradients, the other way round.
-pub(super) fn holds(map: &DMatrix<f64>, before: &Known, behind: &Known, is_gradient: bool) -> bool {
-    let (taken, wanted) = match is_gradient {
-        true => (map.transpose() * &behind.direction, &before.direction),
-        false => (map * &before.direction, &behind.direction),
+/// Whether a map, of which so much is unknown, takes a direction before it to the same one behind it, or, for gradients, the other way round.
+pub(super) fn holds(map: &DMatrix<f64>, (before, behind): (&Known, &Known), is_gradient: bool, unknown: f64) -> bool {
+    let (from, taken, wanted) = match is_gradient {
+        true => (&behind.direction, map.transpose() * &behind.direction, &before.direction),
+        false => (&before.direction, map * &before.direction, &behind.direction),
     };
-    let size = taken.norm().max(wanted.norm());
-    (&taken - wanted).norm() <= HOLDS * size || (&taken + wanted).norm() <= HOLDS * size
+    let most = (HOLDS * taken.norm().max(wanted.norm())).max(unknown * from.norm());
+    (&taken - wanted).norm() <= most || (&taken + wanted).norm() <= most
 }
 
 /// An orthonormal basis of a span; directions that others contain are left out.

@@ -46,8 +46,12 @@ impl Walk {
     /// What happens between two members that are `h` apart, in order.  Where a family turns back a multiplier is 1 as well.
     pub fn between(&mut self, from: &Node, to: &Node, h: f64) -> Result<Vec<(Node, OrbitChange)>, Error> {
         let all = [OrbitChange::Fold, OrbitChange::Branch, OrbitChange::Doubling, OrbitChange::Pair];
-        let mut kinds: Vec<OrbitChange> =
-            all.into_iter().filter(|kind| kind.is_between(kind.measure(from), kind.measure(to))).collect();
+        let unsure = from.spectrum.least_product().max(to.spectrum.least_product());
+        let happens = |kind: &OrbitChange| {
+            let [a, b] = [from, to].map(|node| kind.measure(node));
+            kind.is_between(a, b) && (*kind == OrbitChange::Fold || a.abs().max(b.abs()) > unsure)
+        };
+        let mut kinds: Vec<OrbitChange> = all.into_iter().filter(happens).collect();
         if kinds.contains(&OrbitChange::Fold) {
             kinds.retain(|kind| *kind != OrbitChange::Branch);
         }

@@ -6,7 +6,7 @@ use super::begun::Begun;
 use super::family::{Family, Member, OrbitChange};
 use super::guess::sizes;
 use super::laps::{Away, Laps, Point, Solution, lcm};
-use super::stability::{Spectrum, beside, map, spectrum};
+use super::stability::{Spectrum, map, spectrum};
 use super::structure;
 use crate::error::{Error, NoOrbit};
 use crate::matrix::svd;
@@ -333,7 +333,7 @@ impl Walk {
             period: self.begun.laps.duration(&node.solution.trial),
             start: node.solution.trial.pieces[0].start.y.clone(),
             amplitudes: ranges.into_iter().map(|[low, high]| 0.5 * (high - low)).collect(),
-            multipliers: beside(&node.spectrum, None),
+            multipliers: node.spectrum.with_errors(None),
             asked,
         }
     }
