@@ -61,6 +61,20 @@ fn van_der_pols_oscillator_has_its_period_and_a_multiplier_far_below_rounding() 
     assert!(count >= 4, "{count} of 6");
 }
 
+/// Along a family pieces are cut as its motions ask for.  By Liouville's formula the multiplier is the exponential of ∮ μ (1 − x²) dt, which a
+/// Runge-Kutta method with 10⁶ steps finds as −204.1209 for μ = 8 and −442.4935 for μ = 12.
+#[test]
+fn families_of_relaxation_oscillations_keep_the_digits_of_their_multipliers() {
+    let found = told(&[&van_der_pol(), "--vary", "mu=3,8,12"]).unwrap();
+    for (mu, log) in [(8.0, -204.1209), (12.0, -442.4935)] {
+        let members = found["members"].as_array().unwrap();
+        let member = members.iter().find(|m| m["asked"] == true && (number(&m["value"]) - mu).abs() < 1e-9).unwrap();
+        let multiplier = &member["multipliers"][0];
+        near(2.0 * number(&multiplier["log_abs"]), log, 1e-4);
+        assert!(number(&multiplier["error"]) < 1e-4, "{multiplier}");
+    }
+}
+
 /// What is known beforehand is so at a loose tolerance, too.
 #[test]
 fn a_loose_tolerance_leaves_the_multiplier_of_time_known() {

@@ -62,6 +62,18 @@ impl Laps {
 }
 
 impl Laps {
+    /// Starts of twice as many pieces of a motion: where each piece began, and in its middle.
+    pub fn halved(&self, solution: &Solution) -> Option<Point> {
+        let mut starts = Vec::with_capacity(2 * solution.trial.pieces.len());
+        for (piece, start) in solution.trial.pieces.iter().zip(&solution.point.starts) {
+            let middle = piece.run.at(0.5 * (piece.start.t + piece.end.t))?;
+            starts.extend([start.clone(), [middle.q, middle.v].concat()]);
+        }
+        Some(Point { starts, ..solution.point.clone() })
+    }
+}
+
+impl Laps {
     /// Starts of all pieces that events end, each where the one before ends, of which the first was run.
     pub fn in_turn(&mut self, run: &Run) -> Result<Point, Error> {
         let By::After { event, .. } = self.closing.by else { return self.along(run, 0.0) };
@@ -144,21 +156,21 @@ impl Begun {
             steps += smaller.steps;
             solution = smaller;
         }
+        solution.steps = steps;
+        self.cut(solution)
+    }
+
+    /// A solution in pieces short enough for its multipliers.
+    pub fn cut(&mut self, mut solution: Solution) -> Result<(Solution, Spectrum), Error> {
         let mut found = spectrum(&mut self.laps, &solution.trial);
-        while found.spread > SPREAD
-            && !self.chosen
-            && !self.acts
-            && self.laps.time != Time::Event
-            && self.laps.unknowns() < MOST_UNKNOWNS
+        while self.is_coarse(&found)
+            && let Some(point) = self.laps.halved(&solution)
         {
-            self.laps.legs *= 2;
-            let (run, lap) = self.plain(&solution, 1)?;
-            let point = self.laps.along(&run, lap)?;
+            let before = solution.steps;
             solution = self.laps.solve(point, None)?;
-            steps += solution.steps;
+            solution.steps += before;
             found = spectrum(&mut self.laps, &solution.trial);
         }
-        solution.steps = steps;
         Ok((solution, found))
     }
 
@@ -180,6 +192,12 @@ impl Begun {
         self.laps.scales = sizes_of_pieces(&pieces);
         let rest = self.laps.solve(point, None)?;
         Ok(Some(Solution { steps: solution.steps + rest.steps, ..rest }))
+    }
+
+    /// Whether pieces are too long for the multipliers of a motion, and may be cut.
+    pub fn is_coarse(&self, found: &Spectrum) -> bool {
+        let may_be_cut = !self.chosen && !self.acts && self.laps.time != Time::Event;
+        may_be_cut && found.spread > SPREAD && self.laps.unknowns() < MOST_UNKNOWNS
     }
 
     /// Refuses a motion that has shrunk to rest, where nothing drives it: rest under a drive may be stable or not.

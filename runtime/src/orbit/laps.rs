@@ -385,7 +385,7 @@ impl Laps {
         (piece + 1).is_multiple_of(legs)
     }
 
-    /// Newton's steps from a guess.
+    /// Newton's steps from a guess, which says into how many pieces laps are cut.
     ///
     /// # Errors
     /// [`NoOrbit`]; what ends the first run early.
@@ -399,6 +399,7 @@ impl Laps {
     /// As [`Laps::solve`].
     pub fn solve_to(&mut self, guess: Point, free: Option<usize>, least: f64) -> Result<Solution, Error> {
         let mut point = guess;
+        self.legs = point.starts.len() / self.laps;
         let found = self.newton(&mut point, free, least);
         let solution = found.map_err(|error| match error.is_interruption() {
             true => NoOrbit::Interrupted { start: self.start_of(&point) }.into(),

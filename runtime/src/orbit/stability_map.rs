@@ -6,7 +6,6 @@ use super::found::Multiplier;
 use super::laps::{Point, lcm};
 use super::multipliers::Polar;
 use super::search::OrbitSearch;
-use super::stability::spectrum;
 use super::thresholds::SAME;
 use crate::error::Error;
 use crate::events::{Around, locate};
@@ -223,9 +222,9 @@ impl Row<'_> {
         let laps = &mut self.begun.laps;
         laps.system.set_parameter(self.across, x);
         let solution = laps.solve(guess.clone(), None)?;
-        let multipliers = spectrum(laps, &solution.trial).multipliers;
         self.begun.at_rest(&solution)?;
-        Ok(Here { x, point: solution.point, multipliers })
+        let (solution, found) = self.begun.cut(solution)?;
+        Ok(Here { x, point: solution.point, multipliers: found.multipliers })
     }
 
     /// The multipliers of a motion as more accurate flows have them.

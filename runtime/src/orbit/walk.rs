@@ -235,7 +235,7 @@ impl Walk {
                 break;
             }
             h = h.min(LONGEST * size(&node)).min((high - low) / MEMBERS / node.slope.abs());
-            let passed = match self.next(&node, &mut h) {
+            let passed = match self.next(&mut node, &mut h) {
                 Ok(next) => {
                     let found = self.pass(&node, &next, h, (values, [low, high], &mut family));
                     found.map(|found| changes.extend(found)).map(|()| next)
@@ -268,17 +268,41 @@ impl Walk {
         (family, changes)
     }
 
-    /// The next member, by a step that is shortened until it leads on.
-    fn next(&mut self, node: &Node, h: &mut f64) -> Result<Node, Error> {
+    /// The next member, by a step that is shortened until it leads on; both in pieces short enough for the multipliers of either.
+    fn next(&mut self, node: &mut Node, h: &mut f64) -> Result<Node, Error> {
         loop {
             let tried = self.step(node, *h).and_then(|next| self.begun.at_rest(&next.solution).map(|()| next));
             match tried {
-                Ok(next) if next.tangent.dot(&node.tangent) >= ALONG => return Ok(next),
+                Ok(next) if next.tangent.dot(&node.tangent) >= ALONG => match self.halved(node, &next.spectrum)? {
+                    None => return Ok(next),
+                    Some(cut) => {
+                        // A step is as long as its parts along all pieces together.
+                        *h *= (cut.tangent.len() as f64 / node.tangent.len() as f64).sqrt();
+                        *node = cut;
+                    }
+                },
                 Err(error) if *h < SHORTEST || error.is_interruption() => return Err(error),
                 Ok(_) if *h < SHORTEST => return Err(NoOrbit::TurnsSharply.into()),
                 _ => *h *= 0.5,
             }
         }
+    }
+
+    /// A member in shorter pieces, where those are too long for these multipliers.
+    fn halved(&mut self, node: &Node, found: &Spectrum) -> Result<Option<Node>, Error> {
+        if !self.begun.is_coarse(found) {
+            return Ok(None);
+        }
+        let laps = &mut self.begun.laps;
+        laps.scales.clone_from(&node.scales);
+        let Some(point) = laps.halved(&node.solution) else { return Ok(None) };
+        // Both halves of a piece move about as the whole one does.
+        let width = laps.scales.len();
+        let pieces = node.solution.point.starts.len();
+        let of_starts = (0..pieces).flat_map(|k| [k, k]).flat_map(|k| node.tangent.iter().skip(k * width).take(width));
+        let others = node.tangent.iter().skip(pieces * width);
+        let along: Vec<f64> = of_starts.chain(others).copied().collect();
+        self.node(point, Some(&DVector::from_vec(along))).map(Some)
     }
 
     /// Takes down what happens between two members that are `h` apart, within a range, and those of the values between them.
@@ -351,6 +375,7 @@ impl Walk {
     pub fn switch(&mut self, node: &Node, kind: OrbitChange, values: &[f64]) -> Result<Node, Error> {
         let laps = &mut self.begun.laps;
         laps.scales.clone_from(&node.scales);
+        laps.legs = node.solution.point.starts.len() / laps.laps;
         let sign = if kind == OrbitChange::Doubling { -1.0 } else { 1.0 };
         let count = node.solution.trial.pieces.len();
         let maps: Vec<DMatrix<f64>> = (0..count).map(|k| map(laps, &node.solution.trial, k)).collect();
