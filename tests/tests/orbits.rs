@@ -212,6 +212,55 @@ fn a_forced_response_turns_back_where_the_reference_says() {
     assert!(unstable.count() > 3);
 }
 
+/// A pendulum under a torque f cos w t swings as far to one side as to the other, until this breaks: the branch has the period of the torque, and is
+/// where a Runge-Kutta method of fixed steps settles.
+#[test]
+fn a_driven_pendulum_loses_its_symmetry_and_keeps_its_period() {
+    let file = written(
+        "name: Driven\nparameters: {c: 0.5, f: 0.8, w: 0.6667}\ncoordinates: {x: 1}\ninputs: {a: f*cos(w*t)}\n\
+         kinetic_energy: x'^2/2\npotential_energy: -cos(x)\ndissipation: c*x'^2/2\ngeneralized_forces: {x: a}\n\
+         scene: {start: {x: 0}, until: 200, tolerance: 1e-12}\n",
+    );
+    let symmetric = told(&[&file, "--vary", "f=0.8..1.05"]).unwrap();
+    assert_eq!(symmetric["map"]["part"], 2);
+    assert_eq!(symmetric["thresholds"][0]["kind"], "symmetry", "{}", symmetric["thresholds"]);
+    let threshold = number(&symmetric["thresholds"][0]["value"]);
+    let found = told(&[&file, "--vary", "f=0.8,1.03,1.05", "--branch", "1"]).unwrap();
+    assert_eq!(found["map"], serde_json::json!({"part": 1, "does": ""}));
+    let members = found["members"].as_array().unwrap();
+    // It begins at the threshold.
+    near(number(&members[0]["value"]), threshold, 1e-4);
+    let member = members.iter().find(|m| (number(&m["value"]) - 1.03).abs() < 1e-9).unwrap();
+    let period = std::f64::consts::TAU / 0.6667;
+    near(number(&member["period"]), period, 1e-12);
+    let settled = settled_pendulum(1.03, 0.6667, 0.0);
+    // Of the two that are mirror images of each other half a period later either is found.
+    let image = settled_pendulum(1.03, 0.6667, 0.5).map(|x| -x);
+    let start = [number(&member["start"]["x"]), number(&member["start"]["x'"])];
+    let apart = |other: [f64; 2]| (start[0] - other[0]).hypot(start[1] - other[1]);
+    assert!(apart(settled).min(apart(image)) < 1e-8, "{start:?} {settled:?} {image:?}");
+}
+
+/// The state of x'' = f cos w t − x'/2 − sin x after 100 periods and a part of one from rest, by the Runge-Kutta method of the fourth order.
+fn settled_pendulum(f: f64, w: f64, part: f64) -> [f64; 2] {
+    let steps = 1000;
+    let h = std::f64::consts::TAU / w / f64::from(steps);
+    let rate = |t: f64, [x, v]: [f64; 2]| [v, f * (w * t).cos() - 0.5 * v - x.sin()];
+    let moved = |[x, v]: [f64; 2], [dx, dv]: [f64; 2], h: f64| [x + h * dx, v + h * dv];
+    let mut y = [0.0; 2];
+    for k in 0..100 * steps + (part * f64::from(steps)) as i32 {
+        let t = f64::from(k) * h;
+        let a = rate(t, y);
+        let b = rate(t + 0.5 * h, moved(y, a, 0.5 * h));
+        let c = rate(t + 0.5 * h, moved(y, b, 0.5 * h));
+        let d = rate(t + h, moved(y, c, h));
+        for (y, slopes) in y.iter_mut().zip([0, 1].map(|i| a[i] + 2.0 * (b[i] + c[i]) + d[i])) {
+            *y += h / 6.0 * slopes;
+        }
+    }
+    y
+}
+
 /// A mass between a floor and a wall, off which it bounces without loss: two motions of one freedom, each with its own energy, whose four multipliers
 /// are 1.  Two of them come apart by the root of rounding.
 #[test]

@@ -39,6 +39,9 @@ pub fn report(loaded: &Loaded, family: &Family, options: &ArgMatches, out: &mut 
             OrbitChange::Fold => "the family turns back",
             OrbitChange::Branch => "a multiplier passes 1: another family crosses",
             OrbitChange::Doubling => "a multiplier passes -1: motions of two laps branch off",
+            OrbitChange::SymmetryBreaking => {
+                "a multiplier passes -1: motions without the symmetry of the map branch off, and the period stays"
+            }
             OrbitChange::Pair => {
                 "a pair of multipliers leaves the unit circle: motions round a torus, which are not followed"
             }

@@ -385,7 +385,7 @@ impl Begun {
             returns,
             start,
             part,
-            map: laps.closing.words(laps.system.description()),
+            map: laps.map_in_words(),
             multipliers,
             known: found.known.clone(),
             superstable: found.lost,
@@ -406,7 +406,7 @@ impl Begun {
         let (n, count) = (laps.n(), laps.laps);
         let lap = duration_of_lap(solution) / count as f64;
         let mut y = solution.trial.pieces[0].start.y.clone();
-        let mut from = laps.settings.from;
+        let from = laps.settings.from;
         for _ in 0..count {
             let event = if let By::After { event, .. } = laps.closing.by { Some(event) } else { None };
             // With an event the lap ends where it happens, somewhat later or earlier.
@@ -416,7 +416,6 @@ impl Begun {
             let run = simulate(&mut *laps.system, &settings)?;
             let last = run.last();
             y = laps.closing.image(&[last.q, last.v].concat());
-            from = if laps.time == Time::Event { laps.settings.from } else { last.t };
         }
         let start = &solution.trial.pieces[0].start.y;
         let apart = |i: usize| (i, (y[i] - start[i]).abs() / laps.scales[i]);

@@ -137,6 +137,12 @@ impl Closing {
         order
     }
 
+    /// What coordinates do where this is followed by another such map.
+    pub fn followed_by(&self, next: &Closing) -> Closing {
+        let both = |(k, opposite): &(usize, bool)| (self.images[*k].0, self.images[*k].1 != *opposite);
+        Closing { images: next.images.iter().map(both).collect(), ..self.clone() }
+    }
+
     /// What it does, in the words of the model file.
     pub fn words(&self, description: &Description) -> String {
         let name = |i: usize| description.coordinates[i].name.to_string();

@@ -92,6 +92,9 @@ pub enum OrbitChange {
     Branch,
     /// A multiplier passes −1: a family of motions of two laps branches off.
     Doubling,
+    /// A multiplier of a map that mirrors or exchanges, twice which is nothing but a part of the period, passes −1: a family of motions without that
+    /// symmetry branches off, and the period stays.
+    SymmetryBreaking,
     /// A pair of multipliers leaves the unit circle elsewhere: from here on motions go round a torus.
     Pair,
 }
@@ -102,6 +105,7 @@ impl OrbitChange {
             OrbitChange::Fold => "fold",
             OrbitChange::Branch => "branch",
             OrbitChange::Doubling => "doubling",
+            OrbitChange::SymmetryBreaking => "symmetry",
             OrbitChange::Pair => "pair",
         }
     }
@@ -162,7 +166,7 @@ impl OrbitSearch {
         let Some(number) = branch.filter(|_| !family.interrupted) else { return Ok(family) };
         match number.checked_sub(1).and_then(|k| thresholds.get(k)) {
             Some((node, kind)) => {
-                let start = walk.switch(node, *kind, values)?;
+                let start = walk.switch(node, *kind)?;
                 Ok(walk.along(start, name, values).0)
             }
             None => Err(NoOrbit::NoThreshold { number, known: thresholds.len() }.into()),

@@ -238,7 +238,8 @@ impl Laps {
         let event = if let By::After { event, .. } = self.closing.by { Some(event) } else { None };
         let whole = self.settings.until - self.settings.from;
         for (k, start) in point.starts.iter().enumerate() {
-            let later = if self.time == Time::Driven { k as f64 * length } else { 0.0 };
+            // What closes a lap is the image at the time with which laps begin.
+            let later = if self.time == Time::Driven { (k % self.legs) as f64 * length } else { 0.0 };
             let from = self.settings.from + later;
             let until = from + if event.is_some() { whole } else { length };
             let (q, v) = (start[..n].to_vec(), start[n..].to_vec());
@@ -298,7 +299,7 @@ impl Laps {
         }
         if self.parameter.is_some() {
             // The start's time moves with the parameter: so does the end's, but for what the start's rate makes of it.
-            let later = k as f64 / legs * lap_slope;
+            let later = (k % self.legs) as f64 / legs * lap_slope;
             let slope = |i: usize| {
                 let carried: f64 =
                     piece.columns.iter().zip(&piece.start_rate).map(|(column, rate)| column[i] * rate).sum();
@@ -491,6 +492,12 @@ impl Laps {
             part *= 0.5;
         }
         Ok(otherwise)
+    }
+
+    /// What the map of all laps together exchanges, mirrors and shifts.
+    pub fn map_in_words(&self) -> String {
+        let all = (1..self.laps).fold(self.closing.clone(), |map, _| map.followed_by(&self.closing));
+        all.words(self.system.description())
     }
 
     /// How long the motion takes until it is as it was, s.

@@ -17,8 +17,6 @@ const STEPS: f64 = 20.0;
 const STRAIGHT: f64 = 0.05;
 /// with so many halvings at most.
 const HALVINGS: u32 = 6;
-/// What happens at boundaries; a motion of a map is followed by its parameters, so that it never turns back.
-const KINDS: [OrbitChange; 3] = [OrbitChange::Branch, OrbitChange::Doubling, OrbitChange::Pair];
 /// Those whose functions do not jump.
 const SEPARATE: [OrbitChange; 2] = [OrbitChange::Branch, OrbitChange::Doubling];
 /// Between three values of which the middle one is least in size, a parabola through them that does not come down to this part of the middle
@@ -240,7 +238,8 @@ impl Row<'_> {
     /// What happens between columns: kind, place and error, from left to right.
     fn crossings(&mut self, row: &[Option<Here>]) -> Vec<(OrbitChange, f64, f64)> {
         let mut list = Vec::new();
-        for kind in KINDS {
+        // A motion of a map is followed by its parameters, so that it never turns back.
+        for kind in [OrbitChange::Branch, self.begun.laps.at_minus_one(), OrbitChange::Pair] {
             let value = |here: &Here| kind.of_multipliers(&here.multipliers);
             for pair in row.windows(2) {
                 if let [Some(a), Some(b)] = pair

@@ -2,7 +2,9 @@
 
 use nalgebra::Complex;
 
+use super::closing::By;
 use super::family::{OrbitChange, Threshold};
+use super::laps::{Laps, lcm};
 use super::multipliers::Polar;
 use super::walk::{Node, Walk};
 use crate::error::Error;
@@ -28,7 +30,7 @@ impl OrbitChange {
     pub(super) fn of_multipliers(self, multipliers: &[Polar]) -> f64 {
         match self {
             OrbitChange::Fold | OrbitChange::Branch => product(multipliers, 1.0),
-            OrbitChange::Doubling => product(multipliers, -1.0),
+            OrbitChange::Doubling | OrbitChange::SymmetryBreaking => product(multipliers, -1.0),
             OrbitChange::Pair => pair(multipliers).unwrap_or(0.0),
         }
     }
@@ -42,10 +44,24 @@ impl OrbitChange {
     }
 }
 
+impl Laps {
+    /// What happens where a multiplier of the map passes −1.  Laps that end after a part of the period are of one motion, as the two halves of a
+    /// swing: where an even number of maps takes every state to itself the two that differ from there on fill the same period.  Laps
+    /// that events end, as steps of a gait, are counted one by one.
+    pub fn at_minus_one(&self) -> OrbitChange {
+        let maps = lcm(self.closing.order(), self.laps) / self.laps;
+        match self.closing.by {
+            By::Part(_) if maps.is_multiple_of(2) => OrbitChange::SymmetryBreaking,
+            _ => OrbitChange::Doubling,
+        }
+    }
+}
+
 impl Walk {
     /// What happens between two members that are `h` apart, in order.  Where a family turns back a multiplier is 1 as well.
     pub fn between(&mut self, from: &Node, to: &Node, h: f64) -> Result<Vec<(Node, OrbitChange)>, Error> {
-        let all = [OrbitChange::Fold, OrbitChange::Branch, OrbitChange::Doubling, OrbitChange::Pair];
+        let at_minus_one = self.begun.laps.at_minus_one();
+        let all = [OrbitChange::Fold, OrbitChange::Branch, at_minus_one, OrbitChange::Pair];
         let unsure = from.spectrum.least_product().max(to.spectrum.least_product());
         let happens = |kind: &OrbitChange| {
             let [a, b] = [from, to].map(|node| kind.measure(node));

@@ -16,8 +16,10 @@ use crate::run::Names;
 const FIRST: f64 = 0.02;
 /// A step that is shorter than this does not get on: motions are known to some twelve digits.
 const SHORTEST: f64 = 1e-7;
-/// A family that leaves another one begins at this distance from it at least: nearer to it the two are hardly told apart.
+/// A family that leaves another one begins at this distance from it, in parts of how far motions go: nearer to it the two are hardly told apart,
 const NEAREST: f64 = 1e-3;
+/// or so many times farther, as often as it is not found there, up to a first step away.
+const FARTHER: f64 = 4.0;
 /// No member differs from the one before by more than this part of how far it goes, lest pictures of a family have corners.
 const LONGEST: f64 = 0.3;
 /// Steps grow where Newton's method takes so many steps or fewer, and shrink where it takes so many or more.
@@ -221,7 +223,7 @@ impl Walk {
             thresholds: Vec::new(),
             peaks: Vec::new(),
             part: lcm(laps.closing.order(), laps.laps) / laps.laps,
-            map: laps.closing.words(laps.system.description()),
+            map: laps.map_in_words(),
             ended: None,
             interrupted: false,
         };
@@ -371,12 +373,13 @@ impl Walk {
         node
     }
 
-    /// The first member of the family that leaves at a threshold, so near that none of some values is passed on the way.
-    pub fn switch(&mut self, node: &Node, kind: OrbitChange, values: &[f64]) -> Result<Node, Error> {
+    /// The first member of the family that leaves at a threshold, as near to it as the two are told apart.
+    pub fn switch(&mut self, node: &Node, kind: OrbitChange) -> Result<Node, Error> {
         let laps = &mut self.begun.laps;
         laps.scales.clone_from(&node.scales);
         laps.legs = node.solution.point.starts.len() / laps.laps;
-        let sign = if kind == OrbitChange::Doubling { -1.0 } else { 1.0 };
+        let two_laps = matches!(kind, OrbitChange::Doubling | OrbitChange::SymmetryBreaking);
+        let sign = if two_laps { -1.0 } else { 1.0 };
         let count = node.solution.trial.pieces.len();
         let maps: Vec<DMatrix<f64>> = (0..count).map(|k| map(laps, &node.solution.trial, k)).collect();
         let basis = &node.spectrum.basis;
@@ -394,7 +397,7 @@ impl Walk {
             direction = map * direction;
         }
         let mut point = node.solution.point.clone();
-        if kind == OrbitChange::Doubling {
+        if two_laps {
             laps.laps *= 2;
             point.starts.extend(node.solution.point.starts.clone());
             parts.extend(parts.clone().into_iter().map(|part| -part));
@@ -403,7 +406,8 @@ impl Walk {
         let all = parts.iter().flat_map(|part| part.iter().copied());
         let tail = std::iter::repeat(0.0);
         let along = DVector::from_iterator(size, all.chain(tail).take(size)).normalize();
-        let mut step = FIRST * (point.starts.len() as f64).sqrt();
+        let size = (point.starts.len() as f64).sqrt();
+        let mut step = NEAREST * size;
         loop {
             let laps = &mut self.begun.laps;
             let guess = laps.moved(&point, &along, step);
@@ -411,12 +415,10 @@ impl Walk {
             laps.away = Some(Away { from: point.clone(), along: along.clone(), by: step });
             let found = laps.solve(guess, self.nullity.map(|count| count.saturating_sub(1)));
             laps.away = None;
-            let first = self.node(found?.point, Some(&along))?;
-            let passed = |value: &f64| (value - node.value) * (first.value - value) > 0.0;
-            if !values.iter().any(passed) || step < NEAREST {
-                return Ok(first);
+            match found.and_then(|found| self.node(found.point, Some(&along))) {
+                Err(error) if step < FIRST * size && !error.is_interruption() => step *= FARTHER,
+                first => return first,
             }
-            step *= 0.5;
         }
     }
 }
