@@ -84,6 +84,27 @@ fn a_loose_tolerance_leaves_the_multiplier_of_time_known() {
     near(number(&found["whole"][0]["log_abs"]), expected, number(&found["whole"][0]["error"]));
 }
 
+/// T = 4 K(m)/√(1 + k A²) with m = k A²/(2 (1 + k A²)) of x'' = −x − k x³ with the energy A²/2 + k A⁴/4, K by the arithmetic-geometric mean.
+#[test]
+fn a_loose_tolerance_finds_the_shortest_period() {
+    let file = written(
+        "name: Free\nparameters: {k3: 1}\ncoordinates: {x: 1}\nkinetic_energy: x'^2/2\npotential_energy: x^2/2 + k3*x^4/4\n\
+         scene: {start: {x: 1}, until: 100, tolerance: 1e-12}\n",
+    );
+    for (k, tolerance, least) in [(1.0, "1e-8", 1e-7), (5.0, "1e-6", 1e-5), (1.0, "1e-4", 1e-3)] {
+        let (set, energy) = (format!("k3={k}"), 5.0_f64);
+        let arguments = ["--from", "mode 1", "--energy", "5", "--set", &set, "--tolerance", tolerance];
+        let found = told(&[&[file.as_str()], &arguments[..]].concat()).unwrap();
+        let square = ((1.0 + 4.0 * k * energy).sqrt() - 1.0) / k;
+        let stiffness = 1.0 + k * square;
+        let (mut a, mut b) = (1.0, (1.0 - 0.5 * k * square / stiffness).sqrt());
+        for _ in 0..8 {
+            (a, b) = (0.5 * (a + b), (a * b).sqrt());
+        }
+        near(number(&found["period"]["value"]), std::f64::consts::TAU / (a * stiffness.sqrt()), least);
+    }
+}
+
 /// The figure eight from its eight digits: T |E|^1.5 does not depend on which member of its family is found.
 #[test]
 fn the_figure_eight_is_found_with_its_eight_multipliers_of_one() {

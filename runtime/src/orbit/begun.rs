@@ -6,8 +6,8 @@ use super::closing::{By, Closing, Difference};
 use super::family::BETWEEN;
 use super::found::Orbit;
 use super::guess::{self, begin_at, sizes_of_pieces, states_of};
-use super::laps::{Laps, Point, Solution, Time, itinerary, lcm};
-use super::smallest::{self, FOLLOWS, WithPeriod};
+use super::laps::{Laps, Point, Solution, Time, Trial, itinerary, lcm};
+use super::smallest::{self, WithPeriod, follows_to};
 use super::stability::{Spectrum, spectrum};
 use super::structure::{self, Known};
 use crate::error::{Error, NoOrbit};
@@ -247,8 +247,8 @@ impl Begun {
         Ok((simulate(&mut *self.laps.system, &settings)?, lap))
     }
 
-    /// After how many pieces a motion that events end closes already, where those are fewer than was asked for.
-    fn closes_after(&self, solution: &Solution) -> Option<(usize, usize)> {
+    /// After how many pieces a motion that events end closes already, to a part of the scales, where those are fewer than was asked for.
+    fn closes_after(&self, solution: &Solution, to: f64) -> Option<(usize, usize)> {
         let laps = &self.laps;
         let By::After { event, count } = laps.closing.by else { return None };
         let start = &solution.point.starts[0];
@@ -256,8 +256,7 @@ impl Begun {
             let image = laps.closing.image(&piece.end.y);
             let apart = |i: usize| (image[i] - start[i]).abs() / laps.scales[i];
             let counted = (0..start.len()).filter(|i| !laps.closing.shifts.contains(i));
-            laps.closing.phases[piece.end.phase] == laps.settings.phase
-                && counted.map(apart).fold(0.0, f64::max) <= FOLLOWS
+            laps.closing.phases[piece.end.phase] == laps.settings.phase && counted.map(apart).fold(0.0, f64::max) <= to
         };
         let pieces = solution.trial.pieces.iter().take(count.saturating_sub(1));
         pieces.enumerate().find(|(_, piece)| closed(piece)).map(|(k, _)| (event, k + 1))
@@ -265,7 +264,8 @@ impl Begun {
 
     /// The solution by the smallest map that closes it, to all digits; `None` where that is the one at hand.
     fn reduce(&mut self, solution: &Solution) -> Result<Option<Solution>, Error> {
-        if let Some((event, count)) = self.closes_after(solution) {
+        let to = follows_to(self.known(solution));
+        if let Some((event, count)) = self.closes_after(solution, to) {
             let before = self.laps.duration(&solution.trial);
             self.laps.closing.by = By::After { event, count };
             self.laps.legs = count;
@@ -277,10 +277,8 @@ impl Begun {
         if !self.may_shrink() {
             return Ok(None);
         }
-        let (run, lap) = self.plain(solution, 1)?;
-        let from = self.laps.settings.from;
-        let systems = self.systems(lap)?;
-        let Some(closing) = smallest::smallest(&systems, &run, (from, lap), &self.laps.scales) else {
+        let systems = self.systems(duration_of_lap(solution))?;
+        let Some(closing) = smallest::smallest(&systems, &self.laps, solution, to) else {
             return self.laps.solve(solution.point.clone(), None).map(Some);
         };
         let By::Part(part) = closing.by else { return Ok(None) };
@@ -288,8 +286,16 @@ impl Begun {
         let reversed = std::mem::take(&mut self.laps.closing.reversed);
         self.laps.closing = Closing { reversed, ..closing };
         self.laps.legs = if self.chosen { self.laps.legs } else { self.laps.legs.div_ceil(part).max(2) };
-        let point = self.laps.along(&run, lap / part as f64)?;
-        self.laps.solve(point, None).map(Some)
+        let (legs, point) = (self.laps.legs, &solution.point);
+        let starts = (0..legs).map(|k| solution.at(k as f64 / (legs * part) as f64)).collect::<Option<Vec<_>>>();
+        let Some(starts) = starts else { return Ok(None) };
+        self.laps.solve(Point { starts, lap: point.lap / part as f64, ..*point }, None).map(Some)
+    }
+
+    /// How well a motion is known, in units of the scales: what more accurate runs make of it, and Newton's last step.
+    fn known(&mut self, solution: &Solution) -> f64 {
+        let finer = self.laps.try_finer(solution);
+        finer.map_or(0.0, |finer| moved(solution, &finer).norm()) + solution.last
     }
 
     /// The mechanism with its present parameters and with all others, each with its period.
@@ -330,8 +336,7 @@ impl Begun {
     pub fn told(&mut self, solution: Solution, found: Spectrum) -> Result<Orbit, Error> {
         let laps = &mut self.laps;
         let finer = laps.try_finer(&solution).ok();
-        let moved =
-            finer.as_ref().map(|finer| solution.linear.step(&finer.r) - solution.linear.step(&solution.trial.r));
+        let moved = finer.as_ref().map(|finer| moved(&solution, finer));
         let finer_found = finer.as_ref().map(|finer| spectrum(laps, finer));
         let mut multipliers = found.with_errors(finer_found.as_ref());
         if finer_found.is_none() {
@@ -366,18 +371,7 @@ impl Begun {
             .map(|event| laps.system.description().events[event].name.to_string());
         let events: Vec<String> = events.collect();
         let part = lcm(laps.closing.order(), laps.laps) / laps.laps;
-        let missed = self.misses(&solution)?;
-        let returns = missed.iter().map(|(_, part)| *part).fold(0.0, f64::max);
-        // What a plain run is off by grows as small changes do.
-        let grows = found.multipliers.iter().map(|polar| polar.log).fold(0.0, f64::max);
-        // Where damping is all but none every motion all but closes, and what is left of it is as small as steps can make it.
-        let open = solution.trial.r.norm() > OPEN * self.laps.settings.tolerance;
-        if open || returns > FOLLOWS * (grows * self.laps.laps as f64).exp() {
-            let start = start.into_iter().map(|value| (value.name, value.value)).collect();
-            let off = |(i, part): (usize, f64)| (names[i].clone(), part * self.laps.scales[i]);
-            let residuals = missed.into_iter().map(off).collect();
-            return Err(NoOrbit::Stuck { residuals, start, returns: Vec::new() }.into());
-        }
+        let returns = self.returns(&solution, &found, moved.map_or(0.0, |moved| moved.norm()))?;
         let (run, _) = self.plain(&solution, part * self.laps.laps)?;
         let laps = &self.laps;
         Ok(Orbit {
@@ -398,6 +392,23 @@ impl Begun {
             legs: laps.legs,
             repeats: self.repeats,
         })
+    }
+
+    /// How far plain runs of a motion that is known to a part of the scales miss their starts at most; refuses one that does not close.
+    fn returns(&mut self, solution: &Solution, found: &Spectrum, known: f64) -> Result<f64, Error> {
+        let missed = self.misses(solution)?;
+        let returns = missed.iter().map(|(_, part)| *part).fold(0.0, f64::max);
+        // What a plain run is off by grows as small changes do.
+        let grows = found.multipliers.iter().map(|polar| polar.log).fold(0.0, f64::max);
+        let laps = &self.laps;
+        // Where damping is all but none every motion all but closes, and what is left of it is as small as steps can make it.
+        let open = solution.trial.r.norm() > OPEN * laps.settings.tolerance;
+        if !open && returns <= follows_to(known) * (grows * laps.laps as f64).exp() {
+            return Ok(returns);
+        }
+        let start = laps.start_of(&solution.point);
+        let off = |(i, part): (usize, f64)| (start[i].0.clone(), part * laps.scales[i]);
+        Err(NoOrbit::Stuck { residuals: missed.into_iter().map(off).collect(), start: start.clone(), returns: Vec::new() }.into())
     }
 
     /// How far plain runs of all laps miss their starts, but for shifts, in parts of how far each number goes.
@@ -460,6 +471,11 @@ impl Begun {
         let outside = span - &grown * (grown.transpose() * span);
         outside.norm() <= WITHIN
     }
+}
+
+/// By how much more accurate runs move a motion, in units of the scales.
+fn moved(solution: &Solution, finer: &Trial) -> DVector<f64> {
+    solution.linear.step(&finer.r) - solution.linear.step(&solution.trial.r)
 }
 
 fn duration_of_lap(solution: &Solution) -> f64 {

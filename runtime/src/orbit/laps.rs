@@ -100,6 +100,17 @@ pub(super) struct Solution {
     pub last: f64,
 }
 
+impl Solution {
+    /// The state after a part of the way, of one lap in pieces of one length.
+    pub fn at(&self, part: f64) -> Option<Vec<f64>> {
+        let pieces = &self.trial.pieces;
+        let place = part * pieces.len() as f64;
+        let piece = pieces.get(place as usize)?;
+        let state = piece.run.at(piece.start.t + place.fract() * (piece.end.t - piece.start.t))?;
+        Some([state.q, state.v].concat())
+    }
+}
+
 impl Laps {
     pub fn n(&self) -> usize {
         self.system.len()
@@ -425,7 +436,11 @@ impl Laps {
             let linear = Linearised::new(&trial.j);
             match free {
                 Some(count) => linear.with_free(count),
-                None => linear,
+                // What slopes change by less than they are known to is no direction.
+                None => {
+                    let known = tolerance * linear.strongest();
+                    linear.beyond(known)
+                }
             }
         };
         let rounding = tolerance.sqrt();
@@ -453,7 +468,7 @@ impl Laps {
     }
 
     /// The state at the start of a point, by its names.
-    fn start_of(&self, point: &Point) -> Vec<(String, f64)> {
+    pub fn start_of(&self, point: &Point) -> Vec<(String, f64)> {
         let names = crate::run::Names::of(self.system.description()).columns();
         names.into_iter().zip(point.starts[0].iter().copied()).collect()
     }

@@ -1,16 +1,22 @@
 //! The smallest map that closes a motion.
 
 use super::closing::{By, Closing};
+use super::laps::{Laps, Solution};
 use crate::mechanism::System;
-use crate::run::Run;
 
 /// Parts of a period that are tried.
 const PARTS: usize = 12;
 /// Coordinates follow each other at so many times of a period.
 const TIMES: usize = 24;
-/// Coordinates that follow each other to this part of how far they go are one another's images: motions that are compared are known to a tenth
-/// of it.
-pub(super) const FOLLOWS: f64 = 1e-6;
+/// Coordinates that follow each other to this part of how far they go are one another's images,
+const FOLLOWS: f64 = 1e-6;
+/// or, where the tolerance is loose, to so many times what more accurate runs make of the motion.
+const UNKNOWN: f64 = 10.0;
+
+/// To which part of how far they go coordinates of a motion follow each other that is known to a part.
+pub(super) fn follows_to(known: f64) -> f64 {
+    FOLLOWS.max(UNKNOWN * known)
+}
 
 /// The mechanism with some parameters, and its period with these, s.
 pub(super) type WithPeriod = (Box<dyn System>, f64);
@@ -18,43 +24,32 @@ pub(super) type WithPeriod = (Box<dyn System>, f64);
 /// The map of the smallest part of the period after which coordinates follow each other, exchanged or mirrored, where the mechanism moves
 /// alike from a state and from its image: with its present parameters, and with all others for which it is asked, each with its period.
 /// `None` where there is none but that of the whole period.
-pub(super) fn smallest(
-    systems: &[WithPeriod],
-    run: &Run,
-    (from, period): (f64, f64),
-    scales: &[f64],
-) -> Option<Closing> {
-    let states: Vec<(f64, Vec<f64>, usize)> = (0..TIMES)
-        .filter_map(|k| run.at(from + k as f64 / TIMES as f64 * period))
-        .map(|state| (state.t, [state.q, state.v].concat(), 0))
-        .collect();
+pub(super) fn smallest(systems: &[WithPeriod], laps: &Laps, solution: &Solution, to: f64) -> Option<Closing> {
+    let (from, phase) = (laps.settings.from, laps.settings.phase);
+    let period = laps.duration(&solution.trial);
+    let parts = (0..TIMES).map(|k| k as f64 / TIMES as f64);
+    let states: Vec<_> = parts.filter_map(|part| Some((from + part * period, solution.at(part)?, phase))).collect();
     (2..=PARTS).rev().find_map(|part| {
-        let closing = followed(&*systems.first()?.0, run, (from, period, part), scales)?;
-        let differs =
-            |(system, period): &WithPeriod| closing.differs(&**system, &states, period / part as f64).is_some();
+        let closing = followed(&*systems.first()?.0, solution, part, (&laps.scales, to))?;
+        let differs = |(system, period): &WithPeriod| {
+            let later = period / part as f64;
+            closing.differs(&**system, &states, later).is_some()
+        };
         (!systems.iter().any(differs)).then_some(closing)
     })
 }
 
-/// Which coordinate follows which a part of the period later.
-fn followed(
-    system: &dyn System,
-    run: &Run,
-    (from, period, part): (f64, f64, usize),
-    scales: &[f64],
-) -> Option<Closing> {
+/// Which coordinate follows which a part of the period later, to a part of the scales.
+fn followed(system: &dyn System, solution: &Solution, part: usize, (scales, to): (&[f64], f64)) -> Option<Closing> {
     let n = system.len();
-    let at = |k: usize, parts: usize| {
-        let within = (k as f64 / TIMES as f64 + parts as f64 / part as f64).fract();
-        run.at(from + within * period)
-    };
+    let at = |k: usize, parts: usize| solution.at((k as f64 / TIMES as f64 + parts as f64 / part as f64).fract());
     let pairs: Vec<_> = (0..TIMES).map(|k| Some((at(k, 0)?, at(k, 1)?))).collect::<Option<_>>()?;
     let follows = |i: usize, k: usize, opposite: bool| {
         let sign = if opposite { -1.0 } else { 1.0 };
-        pairs.iter().all(|(here, later)| {
-            (here.q[i] - sign * later.q[k]).abs() <= FOLLOWS * scales[i]
-                && (here.v[i] - sign * later.v[k]).abs() <= FOLLOWS * scales[n + i]
-        })
+        let near = |i: usize, k: usize, (here, later): &(Vec<f64>, Vec<f64>)| {
+            (here[i] - sign * later[k]).abs() <= to * scales[i]
+        };
+        pairs.iter().all(|pair| near(i, k, pair) && near(n + i, n + k, pair))
     };
     let units = &system.description().coordinates;
     let mut taken = vec![false; n];
