@@ -305,6 +305,36 @@ fn a_double_multiplier_of_one_grows_by_rounding_alone() {
     }
 }
 
+/// An oscillator beside a wall at 1 m.  Off a wall without loss it bounces with any energy beyond 0.5 J: with one freedom all multipliers are known,
+/// also where it all but touches.  With loss it has no motion that repeats beyond 0.5 J.
+#[test]
+fn families_end_where_a_wall_is_touched() {
+    let file = written(
+        "name: Graze\nparameters: {m: 1 kg, k: 1 N/m, w: 1 m, e: 0.5}\ncoordinates: {x: m}\npoints: {P: \"[x, 0]\"}\n\
+         bodies: {b: {mass: m, position: P}}\nsprings: {s: {stretch: x, stiffness: k}}\nconstraints: {wall: x - w}\n\
+         phases: {free: [], at: [wall]}\n\
+         events: {hit: {phase: free, when: x - w, direction: rising, then: {impact: e, along: wall}}}\n\
+         scene: {start: {x: -1}, until: 40, tolerance: 1e-11}\n",
+    );
+    let arguments = ["--set", "e=1", "--start", "x=-1.2", "--vary", "energy=0.72..0.45"];
+    let found = told(&[&[file.as_str()], &arguments[..]].concat()).unwrap();
+    assert_eq!(found["thresholds"], serde_json::json!([]));
+    assert!(found["ended"].as_str().unwrap().contains("touched"), "{}", found["ended"]);
+    for member in found["members"].as_array().unwrap() {
+        assert_eq!(member["multipliers"], serde_json::json!([]), "{member}");
+        // From the wall at w = A cos φ to the wall again: T = 2 (π − φ), which grows like a root where the wall is all but touched.
+        let energy = number(&member["value"]);
+        if energy > 0.501 {
+            let phi = (1.0 / (2.0 * energy).sqrt()).acos();
+            near(number(&member["period"]), 2.0 * (std::f64::consts::PI - phi), 1e-11);
+        }
+    }
+    let found = told(&[&file, "--from", "mode 1", "--vary", "energy=0.1..0.8"]).unwrap();
+    let members = found["members"].as_array().unwrap();
+    assert!(members.len() > 5 && members.iter().all(|member| number(&member["value"]) < 0.5 + 1e-6), "{found}");
+    assert!(found["ended"].is_string());
+}
+
 fn compass(masses: &str) -> String {
     written(&format!(
         "name: Compass\nparameters: {{m1: 5 kg, m2: {masses}, mh: 10 kg, a: 0.5 m, b: 0.5 m, g: 9.81 m/s^2, slope: 3 deg}}\n\

@@ -34,6 +34,7 @@ pub(super) fn smallest(systems: &[WithPeriod], laps: &Laps, solution: &Solution,
         let differs = |(system, period): &WithPeriod| {
             let later = period / part as f64;
             closing.differs(&**system, &states, later).is_some()
+                || closing.event_differs(&**system, &states, later).is_some()
         };
         (!systems.iter().any(differs)).then_some(closing)
     })
