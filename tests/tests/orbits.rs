@@ -198,6 +198,24 @@ fn what_is_multiplied_by_a_parameter_that_is_zero_does_not_act() {
     near(number(&found["members"].as_array().unwrap().last().unwrap()["value"]), 0.3, 1e-12);
 }
 
+/// A range is the family from its first value to its last, wherever the search begins.
+#[test]
+fn energies_of_a_range_are_kept_and_reached() {
+    let known = reference("double_pendulum");
+    for range in ["energy=3..0.1", "energy=0.1..3"] {
+        let found = told(&["double_pendulum", "--from", "mode 1", "--vary", range]).unwrap();
+        let members = found["members"].as_array().unwrap();
+        let values: Vec<f64> = members.iter().map(|member| number(&member["value"])).collect();
+        let way = if range.ends_with('3') { 1.0 } else { -1.0 };
+        assert!(values.len() > 10 && values.windows(2).all(|pair| way * (pair[1] - pair[0]) > 0.0), "{values:?}");
+        let (low, high) = if way > 0.0 { (0, values.len() - 1) } else { (values.len() - 1, 0) };
+        near(values[low], 0.1, 1e-12);
+        near(values[high], 3.0, 1e-12);
+        let first = known["points"].as_array().unwrap().iter().find(|point| point["energy_above_rest"] == "0.1");
+        near(number(&members[low]["period"]), number(&first.unwrap()["period"]), 1e-10);
+    }
+}
+
 /// Duffing's oscillator: the forced response turns back twice.
 #[test]
 fn a_forced_response_turns_back_where_the_reference_says() {

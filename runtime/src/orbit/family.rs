@@ -161,8 +161,7 @@ impl OrbitSearch {
         let mut walk = Walk { begun, varied, nullity: None, aside: 0, largest: Vec::new() };
         let start = walk.node(point, None)?;
         walk.nullity = Some(start.solution.linear.free().len());
-        let goal = values.last().copied().unwrap_or(first);
-        let (family, thresholds) = walk.both_ways(start, name, (first, goal), values)?;
+        let (family, thresholds) = walk.both_ways(start, name, values)?;
         let Some(number) = branch.filter(|_| !family.interrupted) else { return Ok(family) };
         match number.checked_sub(1).and_then(|k| thresholds.get(k)) {
             Some((node, kind)) => {

@@ -178,7 +178,8 @@ impl Walk {
         }
     }
 
-    /// Walks from a member towards the last of some values; before that, where it is between the first and the last, towards the first.
+    /// Walks from a member towards the last of some values; before that, where it is between the first and the last, towards the first.  Where it is
+    /// beside a range of values the family is that within the range, in their order; one value is that up to which a member is followed.
     ///
     /// # Errors
     /// The member is not found again.
@@ -186,13 +187,16 @@ impl Walk {
         &mut self,
         start: Node,
         name: &str,
-        (first, last): (f64, f64),
         values: &[f64],
     ) -> Result<(Family, Vec<(Node, OrbitChange)>), Error> {
-        let (here, point, scales) = (start.value, start.solution.point.clone(), start.scales.clone());
+        let here = start.value;
+        let [first, last] = [values.first(), values.last()].map(|value| value.copied().unwrap_or(here));
+        let (point, scales) = (start.solution.point.clone(), start.scales.clone());
         let before = |value: &f64| (value - here) * (first - here) > 0.0;
         if (first - here) * (last - here) >= 0.0 {
-            return Ok(self.along(Walk::towards(start, last), name, values));
+            let far = if (first - here).abs() > (last - here).abs() { first } else { last };
+            let found = self.along(Walk::towards(start, far), name, values);
+            return Ok(if first == last || first == here { found } else { within(found, values, far == first) });
         }
         let [back, on]: [Vec<f64>; 2] =
             [true, false].map(|way| values.iter().copied().filter(|x| before(x) == way).collect());
@@ -212,8 +216,7 @@ impl Walk {
 
     /// Walks from a member on, until it has left the range of some values, its own included.
     pub fn along(&mut self, start: Node, name: &str, values: &[f64]) -> (Family, Vec<(Node, OrbitChange)>) {
-        let all = || values.iter().copied().chain([start.value]);
-        let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
+        let (low, high) = ends(&[values, &[start.value]].concat());
         let laps = &self.begun.laps;
         let names = Names::of(laps.system.description()).columns();
         let mut family = Family {
@@ -421,6 +424,30 @@ impl Walk {
             }
         }
     }
+}
+
+/// What of a family is within the range of some values, the other way round where it was walked from the last to the first.
+fn within(
+    (mut family, changes): (Family, Vec<(Node, OrbitChange)>),
+    values: &[f64],
+    backwards: bool,
+) -> (Family, Vec<(Node, OrbitChange)>) {
+    let (low, high) = ends(values);
+    let within = |value: f64| (low..=high).contains(&value);
+    family.members.retain(|member| member.asked || within(member.value));
+    family.thresholds.retain(|threshold| within(threshold.value));
+    let mut changes: Vec<_> = changes.into_iter().filter(|(node, _)| within(node.value)).collect();
+    if backwards {
+        family.members.reverse();
+        family.thresholds.reverse();
+        changes.reverse();
+    }
+    (family, changes)
+}
+
+/// The least and the largest of some values.
+fn ends(values: &[f64]) -> (f64, f64) {
+    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)))
 }
 
 /// Whether two members, one after the other in a family, are the same to what motions are known.
