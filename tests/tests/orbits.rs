@@ -198,7 +198,7 @@ fn what_is_multiplied_by_a_parameter_that_is_zero_does_not_act() {
     near(number(&found["members"].as_array().unwrap().last().unwrap()["value"]), 0.3, 1e-12);
 }
 
-/// A range is the family from its first value to its last, wherever the search begins.
+/// A range is the family from its first value to its last, wherever the search begins; a single motion is found where its family leads.
 #[test]
 fn energies_of_a_range_are_kept_and_reached() {
     let known = reference("double_pendulum");
@@ -214,6 +214,10 @@ fn energies_of_a_range_are_kept_and_reached() {
         let first = known["points"].as_array().unwrap().iter().find(|point| point["energy_above_rest"] == "0.1");
         near(number(&members[low]["period"]), number(&first.unwrap()["period"]), 1e-10);
     }
+    let point = &known["loss_of_stability"]["point"];
+    let energy = point["energy_above_rest"].as_str().unwrap();
+    let found = told(&["double_pendulum", "--from", "mode 2", "--energy", energy]).unwrap();
+    near(number(&found["period"]["value"]), number(&point["period"]), 1e-8);
 }
 
 /// Duffing's oscillator: the forced response turns back twice.

@@ -408,7 +408,12 @@ impl Begun {
         }
         let start = laps.start_of(&solution.point);
         let off = |(i, part): (usize, f64)| (start[i].0.clone(), part * laps.scales[i]);
-        Err(NoOrbit::Stuck { residuals: missed.into_iter().map(off).collect(), start: start.clone(), returns: Vec::new() }.into())
+        Err(NoOrbit::Stuck {
+            residuals: missed.into_iter().map(off).collect(),
+            start: start.clone(),
+            returns: Vec::new(),
+        }
+        .into())
     }
 
     /// How far plain runs of all laps miss their starts, but for shifts, in parts of how far each number goes.

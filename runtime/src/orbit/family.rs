@@ -1,9 +1,9 @@
 //! Motions that repeat, as a parameter or their energy varies.
 
-use super::found::{Multiplier, map_in_words};
+use super::found::{Multiplier, Orbit, map_in_words};
 use super::search::{OrbitSearch, with_returns};
 use super::structure;
-use super::walk::{Varied, Walk};
+use super::walk::{Node, Varied, Walk};
 use crate::error::{Error, NoOrbit};
 use crate::mechanism::System;
 
@@ -126,7 +126,31 @@ impl OrbitSearch {
     ///
     /// # Errors
     /// As [`OrbitSearch::find`]; a motion that belongs to no family.
-    pub fn vary(mut self, name: &str, values: &[f64], branch: Option<usize>) -> Result<Family, Error> {
+    pub fn vary(self, name: &str, values: &[f64], branch: Option<usize>) -> Result<Family, Error> {
+        let (mut walk, start) = self.walk(name, values)?;
+        let (family, thresholds) = walk.both_ways(start, name, values)?;
+        let Some(number) = branch.filter(|_| !family.interrupted) else { return Ok(family) };
+        match number.checked_sub(1).and_then(|k| thresholds.get(k)) {
+            Some((node, kind)) => {
+                let start = walk.switch(node, *kind)?;
+                Ok(walk.along(start, name, values).0)
+            }
+            None => Err(NoOrbit::NoThreshold { number, known: thresholds.len() }.into()),
+        }
+    }
+
+    /// The motion of an energy, counted from the equilibrium, on the family that begins with small motions of a mode.
+    pub(super) fn along_energies(self, energy: f64) -> Result<Orbit, Error> {
+        let (mut walk, start) = self.walk(structure::ENERGY, &[energy])?;
+        let node = walk.to(start, energy)?;
+        let Walk { mut begun, .. } = walk;
+        begun.laps.scales = node.scales;
+        begun.laps.energy = Some(energy + begun.rest_energy);
+        begun.finish(node.solution)
+    }
+
+    /// A walk along a family that begins with the motion that is found where what varies has the first of some values.
+    fn walk(mut self, name: &str, values: &[f64]) -> Result<(Walk, Node), Error> {
         let Some(first) = values.first().copied() else {
             return Err(NoOrbit::NoFamily { name: name.to_owned() }.into());
         };
@@ -161,15 +185,7 @@ impl OrbitSearch {
         let mut walk = Walk { begun, varied, nullity: None, aside: 0, largest: Vec::new() };
         let start = walk.node(point, None)?;
         walk.nullity = Some(start.solution.linear.free().len());
-        let (family, thresholds) = walk.both_ways(start, name, values)?;
-        let Some(number) = branch.filter(|_| !family.interrupted) else { return Ok(family) };
-        match number.checked_sub(1).and_then(|k| thresholds.get(k)) {
-            Some((node, kind)) => {
-                let start = walk.switch(node, *kind)?;
-                Ok(walk.along(start, name, values).0)
-            }
-            None => Err(NoOrbit::NoThreshold { number, known: thresholds.len() }.into()),
-        }
+        Ok((walk, start))
     }
 }
 

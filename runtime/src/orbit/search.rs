@@ -184,24 +184,49 @@ impl OrbitSearch {
         self
     }
 
-    /// Searches.
+    /// Searches.  Where the motion of an energy is not found near those of small motions of a mode, their family leads to it.
     ///
     /// # Errors
     /// [`Error::NoOrbit`]; names that are unknown; what ends the first run early; [`Error::NoSlopes`].
     pub fn find(self) -> Result<Orbit, Error> {
-        let scene = self.scene();
+        let (scene, small) = (self.scene(), self.small_motions());
         let search = || {
             let mut begun = self.begin()?;
             let solution = begun.first()?;
             begun.finish(solution)
         };
-        search().map_err(|error| with_returns(error, scene))
+        let found = match (search(), small) {
+            (Err(error), Some((small, energy))) if !error.is_interruption() => {
+                small.along_energies(energy).map_err(|_| error)
+            }
+            (found, _) => found,
+        };
+        found.map_err(|error| with_returns(error, scene))
     }
 
     /// The run that was described.
     pub(super) fn scene(&self) -> Option<(Box<dyn System>, Settings)> {
         let (system, settings, _) = self.described.as_ref().ok()?;
         Some((system.boxed_clone(), settings.clone()))
+    }
+
+    /// The search for small motions of a mode, and the energy of the motion that is asked for, where it is one of theirs.
+    fn small_motions(&self) -> Option<(OrbitSearch, f64)> {
+        let (energy, mode) = self.energy.zip(self.mode).filter(|_| self.motion.is_none())?;
+        let (system, settings, origin) = self.described.as_ref().ok()?;
+        let small = OrbitSearch {
+            period: self.period,
+            part: self.part,
+            after: self.after.clone(),
+            images: self.images.clone(),
+            mirrored: self.mirrored.clone(),
+            shifted: self.shifted.clone(),
+            turned: self.turned.clone(),
+            mode: Some(mode),
+            legs: self.legs,
+            ..OrbitSearch::of(Ok((system.boxed_clone(), settings.clone(), origin.clone())))
+        };
+        Some((small, energy))
     }
 
     /// The laps and a guess.

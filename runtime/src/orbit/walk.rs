@@ -255,22 +255,35 @@ impl Walk {
                     break;
                 }
             };
-            let steps = next.solution.steps;
+            h *= paced(&next);
             if (low..=high).contains(&next.value) {
                 let member = self.member(&next, values.contains(&next.value));
                 let known = family.members.last().is_some_and(|last| last.asked && alike(last, &member, high - low));
                 family.members.extend((!known).then_some(member));
             }
             node = self.rescaled(next);
-            h *= if steps <= EASY {
-                1.6
-            } else if steps >= HARD {
-                0.6
-            } else {
-                1.0
-            };
         }
         (family, changes)
+    }
+
+    /// The member of a value, by steps from another one towards it.
+    ///
+    /// # Errors
+    /// Those of members; a value that the family does not come to.
+    pub fn to(&mut self, start: Node, value: f64) -> Result<Node, Error> {
+        let mut node = Walk::towards(start, value);
+        let size = |node: &Node| (node.solution.point.starts.len() as f64).sqrt();
+        let mut h = FIRST * size(&node);
+        for _ in 0..MOST {
+            h = h.min(LONGEST * size(&node));
+            let next = self.next(&mut node, &mut h)?;
+            if (node.value - value) * (next.value - value) <= 0.0 {
+                return self.locate(&node, (h, &next), &|node: &Node| node.value - value);
+            }
+            h *= paced(&next);
+            node = self.rescaled(next);
+        }
+        Err(NoOrbit::TurnsSharply.into())
     }
 
     /// The next member, by a step that is shortened until it leads on; both in pieces short enough for the multipliers of either.
@@ -423,6 +436,15 @@ impl Walk {
                 first => return first,
             }
         }
+    }
+}
+
+/// How much longer the step after a member is than the one that led to it.
+fn paced(found: &Node) -> f64 {
+    match found.solution.steps {
+        steps if steps <= EASY => 1.6,
+        steps if steps >= HARD => 0.6,
+        _ => 1.0,
     }
 }
 
