@@ -39,9 +39,9 @@ fn fits_were_not_drawn() {
     program(&["solve", model, "--fit", table, "--unknown", "k=4.2,c=0.1,x=0.12", "--plot", plot]).unwrap();
     let svg = std::fs::read_to_string(chart).expect("a chart");
     assert!(
-        svg.contains("residual of x") && svg.matches("<circle").count() >= 32,
+        svg.contains("residual of x") && svg.matches("<polygon").count() >= 32,
         "{}",
-        svg.matches("<circle").count()
+        svg.matches("<polygon").count()
     );
 }
 
