@@ -189,7 +189,7 @@ fn what_is_multiplied_by_a_parameter_that_is_zero_does_not_act() {
     holds(&found["period"], std::f64::consts::TAU / a, 1e-11);
     near(number(&told(&free).unwrap()["energy"]), 0.75, 1e-2);
     // One of both acts.
-    let refused = told(&[&free[..], &["--set", "d=0.1", "--energy", "0.75"]].concat()).unwrap_err();
+    let refused = told(&[&file, "--set", "f=0", "--start", "x=1", "--energy", "0.75"]).unwrap_err();
     assert!(refused.contains("does not keep its energy"), "{refused}");
     let refused = told(&[&file, "--set", "f=0"]).unwrap_err();
     assert!(refused.contains("equilibrium"), "{refused}");
