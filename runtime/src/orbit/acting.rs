@@ -13,7 +13,7 @@ pub(super) fn time_acts(system: &dyn System, varies: &[usize], near: &[f64]) -> 
         None => true,
         Some(list) => {
             let system = &*elsewhere(system, varies);
-            !list.is_empty() && !(has_zero(system) && everywhere(system, near, &is_timeless))
+            !(list.is_empty() || has_zero(system) && everywhere(system, near, &is_timeless))
         }
     }
 }

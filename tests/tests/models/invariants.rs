@@ -27,8 +27,11 @@ fn no_scene_lets_an_invariant_or_the_energy_balance_drift() {
                     failures.push(format!("{}, {scene}: `{name}` drifts by {drift:?}", entry.name));
                 }
             }
-            // That a ball comes to rest is said, and is what its scene is about.
-            let expected = |warning: &&Warning| matches!(warning, Warning::ImpactsAccumulate { .. });
+            // That a ball comes to rest is said, and is what its scene is about; so is a top that stands all but upright, of angles that lock there.
+            let expected = |warning: &&Warning| {
+                matches!(warning, Warning::ImpactsAccumulate { .. })
+                    || entry.name == "tippe_top" && matches!(warning, Warning::NearGimbalLock { .. })
+            };
             let warnings = run.warnings.iter().filter(|warning| !expected(warning));
             failures.extend(warnings.map(|warning| format!("{}, {scene}: {warning}", entry.name)));
         }

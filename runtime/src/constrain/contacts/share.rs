@@ -152,19 +152,24 @@ fn idle_of<S: System + ?Sized>(
     }
     let of_normals: Vec<usize> = across.iter().map(|place| rows[*place]).collect();
     let unit = |list: &[usize]| DMatrix::from_fn(list.len(), rows.len(), |i, j| f64::from(u8::from(list[i] == j)));
-    let mixed = match idle(&constraint_matrix(system, at, &of_normals)) {
+    let mut mixed = match idle(&constraint_matrix(system, at, &of_normals)) {
         Some(alone) => within(&all, &(alone.transpose() * unit(across)))?,
         None => all.clone(),
     };
-    let moved = |row: &usize| mixed.row(*row).amax() > IN_SPAN * mixed.amax();
-    let moved: Vec<usize> = across.iter().copied().filter(moved).collect();
+    let largest = mixed.amax();
+    let (moved, still): (Vec<usize>, Vec<usize>) =
+        across.iter().copied().partition(|row| mixed.row(*row).amax() > IN_SPAN * largest);
+    still.into_iter().for_each(|row| mixed.row_mut(row).fill(0.0));
     if moved.is_empty() {
         return Some(mixed);
     }
     let pressed = pressed_without_friction(system, at)?;
     match moved.iter().all(|place| pressed[rows[*place]] > 0.0) {
         true => Some(mixed),
-        false => within(&all, &unit(across)),
+        false => within(&all, &unit(across)).map(|mut idle| {
+            across.iter().for_each(|row| idle.row_mut(*row).fill(0.0));
+            idle
+        }),
     }
 }
 
