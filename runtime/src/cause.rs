@@ -2,7 +2,6 @@
 
 use std::fmt;
 
-use crate::mechanism::ImpactLaw;
 use crate::numbers::short;
 
 /// Why a run could not go on.
@@ -185,8 +184,8 @@ pub enum Cause {
     ImpactGainsEnergy {
         /// How much, J.
         energy: f64,
-        /// The law of impacts that the file states.
-        law: Option<ImpactLaw>,
+        /// Whether the file states Poisson's law.
+        by_poisson: bool,
     },
     /// The coordinates fail where the mechanism does not: an element of M grows beyond bounds.
     CoordinateSingularity {
@@ -538,12 +537,12 @@ impl fmt::Display for Cause {
                  `poisson`",
                 list = quoted(contacts)
             ),
-            Cause::ImpactGainsEnergy { energy, law } => {
-                let why = match law {
-                    Some(ImpactLaw::Poisson) => {
+            Cause::ImpactGainsEnergy { energy, by_poisson } => {
+                let why = match by_poisson {
+                    true => {
                         "which Poisson's law may do where coefficients of restitution differ; take one for all that strike together"
                     }
-                    _ => {
+                    false => {
                         "which Newton's law may do with friction (Kane), or where coefficients differ; take `impacts: poisson`"
                     }
                 };

@@ -47,7 +47,6 @@ pub use figure::Figure;
 #[cfg(feature = "cli")]
 pub(crate) use figure::wants_letters;
 pub use playback::Playback;
-#[cfg(feature = "cli")]
 pub(crate) use run::has_units;
 pub(crate) use run::unit;
 

@@ -205,8 +205,9 @@ fn sound(name: &str) -> Option<Sound> {
     if !model.contacts.is_empty() {
         return None;
     }
-    // It eliminates every row: where rows depend on each other it has no state to judge claims by.
-    if model.balances.is_empty() && judge.states(0) < LEAST {
+    // It eliminates every row: where rows depend on each other, as those of Bennett's loop, it has no state to judge by.
+    let rows: usize = model.constraints.iter().map(|constraint| constraint.value.len()).sum();
+    if judge.states(0) < LEAST && (model.balances.is_empty() || rows > model.coordinates.len()) {
         return None;
     }
     for phase in model.balances.iter().flat_map(|system| &system.phases) {

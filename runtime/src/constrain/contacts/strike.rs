@@ -439,7 +439,11 @@ impl Collision {
             impulses.iter().zip(self.before.iter().zip(&after)).map(|(p, (u, w))| 0.5 * p * (u + w)).sum();
         let turned: f64 = impulses.iter().zip(&self.before).map(|(p, u)| (p * u).abs()).sum();
         if gained > ALIKE * turned {
-            return Err(Cause::ImpactGainsEnergy { energy: gained, law: system.contacts().law }.into());
+            return Err(Cause::ImpactGainsEnergy {
+                energy: gained,
+                by_poisson: system.contacts().law == Some(ImpactLaw::Poisson),
+            }
+            .into());
         }
         let small = NOTHING * self.scale(&after);
         let mut known = vec![None; system.contacts().all.len()];
