@@ -1,5 +1,6 @@
 //! Events whose functions are flat about their zero: of high order, or a small difference of large terms.
 
+use crate::constrain::with_shares;
 use crate::mechanism::{Action, At, System};
 use crate::run::{Digits, Run};
 
@@ -72,12 +73,12 @@ fn motion(system: &dyn System, run: &Run, t: f64) -> Option<Vec<f64>> {
     (h <= last - first).then(|| moved.collect())
 }
 
-/// An event's function at a state.
+/// An event's function at a state, with the share of forces by which it was located.
 fn value(system: &dyn System, event: usize, t: f64, y: &[f64]) -> Option<f64> {
     let (n, description) = (system.len(), system.description());
     let mut pairs = vec![f64::NAN; 2 * description.events.len()];
-    let (at, mut a, mut lambda) = (At::packed(t, y, n), vec![0.0; n], vec![0.0; description.rows.len()]);
-    system.accelerations_and_multipliers(at, &mut a, &mut lambda).ok()?;
+    let at = At::packed(t, y, n);
+    let (a, lambda) = with_shares(system, at).ok()?;
     system.events(at.accelerated(&a).constrained(&lambda), &mut pairs);
     Some(pairs[2 * event]).filter(|value| value.is_finite())
 }
