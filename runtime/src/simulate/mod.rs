@@ -252,6 +252,7 @@ fn first_phase(system: &mut dyn System, settings: &Settings) -> Result<usize, Bo
 }
 
 /// The places [q] of a start that meets the constraints in force, held values kept; `None` where they cannot be met.
+#[cfg(feature = "cli")]
 pub(crate) fn closed(system: &dyn System, settings: &Settings) -> Option<Vec<f64>> {
     let (guess, held) = ([settings.q.as_slice(), settings.v.as_slice()].concat(), settings.held());
     let mut y = consistent(system, &start_of(settings, &guess, &held)).ok()?;
