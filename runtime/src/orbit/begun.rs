@@ -59,9 +59,7 @@ impl Laps {
         }
         Ok(Point { starts, lap, parameter })
     }
-}
 
-impl Laps {
     /// Starts of twice as many pieces of a motion: where each piece began, and in its middle.
     pub fn halved(&self, solution: &Solution) -> Option<Point> {
         let mut starts = Vec::with_capacity(2 * solution.trial.pieces.len());
@@ -71,9 +69,7 @@ impl Laps {
         }
         Some(Point { starts, ..solution.point.clone() })
     }
-}
 
-impl Laps {
     /// Starts of all pieces that events end, each where the one before ends, of which the first was run.
     pub fn in_turn(&mut self, run: &Run) -> Result<Point, Error> {
         let By::After { event, .. } = self.closing.by else { return self.along(run, 0.0) };

@@ -19,7 +19,7 @@ use crate::vary::leg;
 const RESTS: f64 = 1e-6;
 /// States that differ by this part of an amplitude are as far out as the farthest one: reported states are not the extreme ones.
 const FARTHEST: f64 = 1e-2;
-/// The time of an extreme value, beside that between two reported states: there the value no longer changes with it.
+/// To this part of the time between two reported states the time of an extreme value is located: the value changes with its square there.
 const SAME: f64 = 1e-12;
 
 /// The extreme value of a coordinate, or of its image, along a motion.

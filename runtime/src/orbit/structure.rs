@@ -35,17 +35,17 @@ pub(super) fn gradients(
     let n = system.len();
     let description = system.description();
     let mut names: Vec<String> = Vec::new();
-    let mut of = |name: &str, count: usize| {
-        let part =
-            |k: usize| if count == 1 { name.to_owned() } else { format!("{name}.{}", ["x", "y", "z"][k.min(2)]) };
-        names.extend((0..count).map(part));
-    };
     let conservative = acting::keeps_energy(system, varies, &side.y);
     let conservative = conservative && !description.invariants.iter().any(|quantity| quantity.name == ENERGY);
     if conservative {
-        of(ENERGY, 1);
+        names.push(ENERGY.to_owned());
     }
-    description.invariants.iter().for_each(|quantity| of(&quantity.name, quantity.components as usize));
+    for quantity in description.invariants.iter() {
+        match quantity.axes() {
+            [] => names.push(quantity.name.to_string()),
+            axes => names.extend(axes.iter().map(|axis| format!("{}.{axis}", quantity.name))),
+        }
+    }
     let at = At::packed(side.t, &side.y, n);
     let pairs = by_state(system, at, Function::Invariants, 2 * description.invariant_len());
     let energies = if conservative { energy(system, side).1 } else { vec![0.0; 2 * n] };

@@ -481,6 +481,14 @@ fn ranges(run: &Run, still: f64) -> Vec<f64> {
         (if range > still * size { range } else { size }).max(STILL * largest(&units[column]))
     };
     let mut ranges: Vec<f64> = (0..names.len()).map(of).collect();
+    // A component of a vector is beside the others.
+    let mut first = states;
+    for output in run.description.outputs.iter() {
+        let own = first..(first + output.components as usize).min(names.len());
+        let size = ends[own.clone()].iter().fold(0.0_f64, |most, (low, high)| most.max(low.abs()).max(high.abs()));
+        ranges[own.clone()].iter_mut().for_each(|range| *range = range.max(STILL * size));
+        first = own.end;
+    }
     // Of what is hidden nothing is asked.
     let hidden = names.iter().map(|name| name.starts_with(HIDDEN));
     ranges.iter_mut().zip(hidden).filter(|(_, hidden)| *hidden).for_each(|(range, _)| *range = f64::INFINITY);

@@ -19,9 +19,9 @@ const TAKES_PART: f64 = 1e-3;
 const UNTOLD: f64 = 10.0;
 /// The sine of the angle from the lock, within which a run that fails has failed by it.
 const BESIDE: f64 = 1e-3;
-/// The sine within which a motion passes near a lock (1.1 degrees), and how many times shorter than elsewhere steps are there where that
-/// is worth a warning: with moderate steps a lock nearby does no harm.
+/// The sine within which a motion passes near a lock, 1.1 degrees: rates of angles are fifty times those of the body there.
 const NEAR: f64 = 0.02;
+/// How many times shorter than elsewhere steps are beside a lock where it is worth a warning: a lock that costs less than that does no harm.
 const SHORTER: f64 = 10.0;
 
 /// Watches the product of the axes of each three angles that turn a frame one after the other.

@@ -2,7 +2,7 @@
 
 use dalembert::simulate;
 
-use super::{case, program, text_of};
+use super::{case, folder, program, text_of};
 
 fn close(found: f64, expected: f64, part: f64) {
     assert!((found - expected).abs() <= part * expected.abs(), "{found} for {expected}");
@@ -167,4 +167,26 @@ scene: {start: {q: {quaternion: [-3, 0, 4, 0]}}, until: 1}\n",
             assert!((found - expected).abs() < 1e-15, "{name}.{axis}: {found}");
         }
     }
+}
+
+/// What is 0 of a body that is turned about z only is told as 0, and a claim that fails names the component: the first of a quaternion is w.
+#[test]
+fn components_of_quaternions_are_zero_and_have_names() {
+    let model = folder("rotations").join("turned.yaml");
+    let file = |more: &str| {
+        let text = format!(
+            "name: Turned\nparameters: {{m: 2 kg, k: 30 N/m, J: 0.1 kg*m^2}}\ncoordinates: {{x: m, y: m, z: m, att: rotation}}\n\
+             frames: {{B: {{rotate: att}}}}\nbodies: {{b: {{mass: m, inertia: [J, 2*J, 3*J], frame: B, position: '[x, y, z]'}}}}\n\
+             springs: {{s: {{between: [ground, b], stiffness: k}}}}\n{more}\n\
+             scene: {{start: {{x: 1, att: [[z, 0.3 rad]]}}, until: 2}}\n"
+        );
+        std::fs::write(&model, text).expect("a file");
+        model.to_str().expect("a path").to_owned()
+    };
+    let told = program(&["simulate", &file("outputs: {q: quaternion(B)}")]).unwrap();
+    assert!(told.contains("  q.x = 0\n") && told.contains("  q.y = 0\n"), "{told}");
+    // The cosine and the sine of half the angle.
+    assert!(told.contains("  q.w = 0.98877107794") && told.contains("  q.z = 0.149438132474"), "{told}");
+    let refused = program(&["check", &file("conserved: {q: quaternion(B)}")]).unwrap_err();
+    assert!(refused.contains("its rate is w component"), "{refused}");
 }

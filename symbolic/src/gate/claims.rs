@@ -13,6 +13,7 @@ use super::{Gate, impacts};
 use crate::derive::{Equations, Rows, Switch, SwitchKind, introduce, rates};
 use crate::diagnose::catalogue::verdicts;
 use crate::diagnose::{Place, Problem};
+use crate::expr::vectors::axes;
 use crate::expr::{Graph, Id, Measured, Scalar, Symbol, Tape, Unary};
 use crate::model::{Check, Conserved, Model};
 use crate::number::DoubleDouble;
@@ -140,10 +141,8 @@ impl Change {
         match explain {
             Some(Explanation { causes, help }) => verdicts::changed_by(place, name, causes, help),
             None => {
-                let component = match invariant.value.len() {
-                    1 => "",
-                    _ => ["x component ", "y component ", "z component "][self.component.min(2)],
-                };
+                let axis = axes(invariant.value.len()).get(self.component);
+                let component = axis.map_or_else(String::new, |axis| format!("{axis} component "));
                 let (rate, terms) = (self.rate.value.to_f64(), self.rate.magnitude);
                 let by = format!("{component}{rate:.6e} where its terms change at up to {terms:.3e}");
                 verdicts::not_conserved(place, name, by, describe(model, &states[self.state]))

@@ -17,8 +17,9 @@ const PARTS: usize = 48;
 pub(super) const ROOT: f64 = 1e-9;
 /// Steps towards a root.
 const STEPS: usize = 100;
-/// So often several directions are found anew, until none turns by more than `SAME`, rad: some hundred roundings.
+/// So often several directions are found anew: they come nearer by a constant factor each time.
 const SWEEPS: usize = 300;
+/// Directions that differ by no more are the same, rad: some hundred roundings.
 pub(super) const SAME: f64 = 1e-13;
 /// Keeps a ratio from being 0/0, as in generated code.
 const NO_RATE: f64 = 1e-90;

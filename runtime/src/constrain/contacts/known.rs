@@ -8,7 +8,7 @@ use crate::mechanism::{At, Contact, ContactEvent, ContactMode, System};
 
 /// What begins to slide has its direction until it is so many times faster than what it slides with at first, which is rounding.
 const BELOW: f64 = 1e3;
-/// The part of a step in which friction does what is lost in the rounding of a rate.
+/// The part of a step to which instants are known at which sliding begins or stops: located to some 1e-12 of one, with room for two digits.
 const UNRESOLVED: f64 = 1e-10;
 
 /// What is known of a contact at an instant.

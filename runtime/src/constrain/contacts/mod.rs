@@ -42,7 +42,7 @@ use crate::mechanism::{At, Contact, ContactEvent, ContactMode, System, rows_in_f
 const CLOSED: f64 = 1e-11;
 /// So many roundings of its time an instant is known to at the least.
 const INSTANT: f64 = 64.0 * f64::EPSILON;
-/// A rate below this part of the sum of its terms is zero.
+/// A rate below this part of the sum of its terms is zero: some thousand roundings, as projections to constraints leave them.
 pub(crate) const STILL: f64 = 1e-12;
 /// A rate that would vanish within this part of a step vanishes now: instants at which sliding stops are located to some 1e-12 of one.
 const NOW: f64 = 1e-10;

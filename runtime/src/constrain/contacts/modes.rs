@@ -55,6 +55,15 @@ impl<'a> Change<'a> {
         }
     }
 
+    /// What an event makes a contact do.
+    fn forced(self) -> Option<(usize, Kind)> {
+        match self {
+            Change::Event { contact, what: ContactEvent::Lifts } => Some((contact, Kind::Opens)),
+            Change::Event { contact, what: ContactEvent::Slips } => Some((contact, Kind::Slides)),
+            _ => None,
+        }
+    }
+
     /// Where a motion begins, what puts its discontinuities on their sides.
     fn begins(self) -> Option<PutOnSides> {
         match self {
@@ -73,40 +82,19 @@ pub(crate) fn settle(system: &mut dyn System, moment: &Moment<'_>, change: Chang
     let before = system.phase();
     let situation = Situation::new(system, moment);
     let (t, y) = (moment.t, moment.y);
-    let overlaps = |k: &usize| situation.kinematics[*k].gap < 0.0 && !situation.closed[*k];
-    if (matches!(change, Change::Start(_)) || change.jumped_from().is_some())
-        && let Some(k) = (0..situation.kinematics.len()).find(overlaps)
-    {
-        let contact = system.contacts().all[k].name.to_string();
-        return Err(Cause::Penetrates { contact, gap: situation.kinematics[k].gap }.into());
+    if matches!(change, Change::Start(_)) || change.jumped_from().is_some() {
+        none_overlaps(system, &situation)?;
     }
     let known: Vec<Known> =
         (0..situation.modes.len()).map(|k| known(system, &situation, (k, change), (t, y))).collect();
-    let mut trials = Vec::new();
     let compliance = compliance(system, At::packed(t, y, system.len()));
     let known = with_unresolved_rates(system, moment, &compliance, known);
     let shared = Shared { known: &known, compliance: &compliance, begins: change.begins() };
     let memory_before = system.memory().to_vec();
     aim(system, &situation, &known);
     let modes_before = system.modes().to_vec();
-    let before_it = (!matches!(change, Change::Start(_))).then_some(situation.modes.as_slice());
-    let stops = matches!(change, Change::Event { what: ContactEvent::Stops, .. });
-    let forced = match change {
-        Change::Event { contact, what: ContactEvent::Lifts } => Some((contact, Kind::Opens)),
-        Change::Event { contact, what: ContactEvent::Slips } => Some((contact, Kind::Slides)),
-        _ => None,
-    };
-    let mut held: Vec<Trial> = Vec::new();
-    for modes in in_order(before_it, &known, stops) {
-        // What sticks with something left over begins nowhere to slide.
-        if held.iter().any(|trial| slides_where_sticks(&modes, &trial.modes, &known)) {
-            continue;
-        }
-        let first = trials.len();
-        trials.extend(tried(system, (t, y), shared, modes));
-        let holds = |trial: &&Trial| trial.holds() && agrees(trial, &trials, forced);
-        held.extend(trials[first..].iter().filter(holds).cloned());
-    }
+    let forced = change.forced();
+    let trials = all_tried(system, (t, y), shared, (&situation.modes, change));
     system.set_phase(before);
     system.set_memory(&memory_before);
     let agree: Vec<&Trial> = trials.iter().filter(|trial| agrees(trial, &trials, forced)).collect();
@@ -147,6 +135,36 @@ pub(crate) fn settle(system: &mut dyn System, moment: &Moment<'_>, change: Chang
     system.set_phase(phase);
     system.set_memory(&chosen.memory);
     Ok(phase)
+}
+
+/// Refuses a gap that is negative.
+fn none_overlaps(system: &dyn System, situation: &Situation) -> Result<(), Box<Cause>> {
+    let overlaps = |k: &usize| situation.kinematics[*k].gap < 0.0 && !situation.closed[*k];
+    let Some(k) = (0..situation.kinematics.len()).find(overlaps) else { return Ok(()) };
+    let contact = system.contacts().all[k].name.to_string();
+    Err(Cause::Penetrates { contact, gap: situation.kinematics[k].gap }.into())
+}
+
+/// All combinations tried, but for those in which something slides that sticks with something left over in one that agrees.
+fn all_tried(
+    system: &mut dyn System,
+    at: (f64, &[f64]),
+    shared: Shared<'_>,
+    (present, change): (&[ContactMode], Change<'_>),
+) -> Vec<Trial> {
+    let before = (!matches!(change, Change::Start(_))).then_some(present);
+    let stops = matches!(change, Change::Event { what: ContactEvent::Stops, .. });
+    let (mut trials, mut held): (Vec<Trial>, Vec<Trial>) = Default::default();
+    for modes in in_order(before, shared.known, stops) {
+        if held.iter().any(|trial| slides_where_sticks(&modes, &trial.modes, shared.known)) {
+            continue;
+        }
+        let first = trials.len();
+        trials.extend(tried(system, at, shared, modes));
+        let holds = |trial: &&Trial| trial.holds() && agrees(trial, &trials, change.forced());
+        held.extend(trials[first..].iter().filter(holds).cloned());
+    }
+    trials
 }
 
 /// What a contact in space does whose sliding rate along the direction that is held is zero.

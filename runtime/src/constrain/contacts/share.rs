@@ -173,7 +173,7 @@ fn idle_of<S: System + ?Sized>(
     }
 }
 
-/// The multipliers where nothing sticks that does, and is not rubbed either; 0 where they are rounding.
+/// The multipliers where what sticks is held by nothing along; 0 where they are rounding.
 fn pressed_without_friction<S: System + ?Sized>(system: &S, at: At<'_>) -> Option<Vec<f64>> {
     let (n, count) = (at.q.len(), system.description().rows.len());
     let contacts = system.contacts();

@@ -27,7 +27,7 @@ super::entries! {
         "Some functions want vectors, some scalars, some the name of a body or point.";
     E209 vector_size(wanted, found) "vectors of different size"
         "this vector has {found} components where {wanted} are wanted" "{found} components" ""
-        "A model's vectors all have two components, or all three.";
+        "A model's vectors all have two components, or all three; `quaternion(B)` has four.";
     E210 not_a_scalar(found) "a vector where a number is wanted"
         "a number is wanted here, this is {found}" "" "use a component (`.x`), `norm(…)` or `dot(…, …)`"
         "Energies, angles, masses and the like are scalars.";
