@@ -171,7 +171,7 @@ fn problems_that_ask_for_periodic_motions_are_commands() {
 /// One value is one motion; a value that the family does not reach is said to be so by where it ends.
 #[test]
 fn a_family_of_one_value_is_one_motion() {
-    let file = van_der_pol();
+    let file = relaxation::van_der_pol();
     let found = told(&[&file, "--vary", "mu=2"]).unwrap();
     assert_eq!(found["members"].as_array().unwrap().len(), 1, "{found}");
     let found = told(&["double_pendulum", "--from", "mode 1", "--amplitude", "0.1", "--vary", "energy=0.5"]).unwrap();

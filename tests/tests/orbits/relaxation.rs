@@ -4,7 +4,7 @@ use dalembert_tests::told::{near, number, reference, written};
 
 use super::{holds, told};
 
-fn van_der_pol() -> String {
+pub fn van_der_pol() -> String {
     written(
         "name: VanDerPol\nparameters: {mu: 1}\ncoordinates: {x: 1}\nkinetic_energy: x'^2/2\npotential_energy: x^2/2\n\
          generalized_forces: {x: mu*(1 - x^2)*x'}\nscene: {start: {x: 2, x': 0}, until: 40, tolerance: 1e-12}\n",
