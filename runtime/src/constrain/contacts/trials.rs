@@ -8,15 +8,17 @@ use super::modes::PutOnSides;
 use super::share::with_shares;
 use super::springs::length_of_springs;
 use super::{held_direction, hold_direction};
-use crate::matrix::solve_least;
-use crate::mechanism::dense::{constraint_matrix, mass_matrix};
-use crate::mechanism::{At, ContactEvent, ContactMode, Enforcement, Solutions, System, rows_in_force};
+use crate::matrix::{equilibrated, rank, solve_least};
+use crate::mechanism::dense::{constraint_matrix, mass_matrix, multiplier_effects};
+use crate::mechanism::{At, ContactEvent, ContactMode, Enforcement, Singular, Solutions, System, rows_in_force};
 
 /// A force, or an acceleration, below this part of the largest under any combination is zero.
 const NOTHING: f64 = 1e-10;
 /// A row in force of which more than this part of the largest acceleration is left is not met: it depends on others that ask for something else, as the
 /// rate of a piston at its dead centre.
 const MET: f64 = 1e-7;
+/// A singular value below this part of about 1 leaves a motion undetermined: where friction takes all of what a force does, forces grow without bound.
+const DETERMINED: f64 = 1e-9;
 /// Accelerations that differ by less than this part of the largest are the same motion.
 const ALIKE: f64 = 1e-8;
 /// A force at its limit is so to the rounding of its instant; one that is further below it, as a part of it, is held by less.
@@ -178,7 +180,11 @@ impl Motion {
     /// In the phase in force; `None` where there is none.
     pub fn of(system: &dyn System, (t, y): (f64, &[f64])) -> Option<Motion> {
         let at = At::packed(t, y, system.len());
-        let (a, lambda) = with_shares(system, at).ok()?;
+        let (a, lambda) = match with_shares(system, at) {
+            Ok(found) => found,
+            Err(Singular::Friction { .. }) => where_pressing_opens(system, at)?,
+            Err(_) => return None,
+        };
         let mut second = vec![0.0; lambda.len()];
         system.constraint_bias(at, &mut second);
         let mut values = vec![0.0; system.description().constraint_pattern.len()];
@@ -191,6 +197,31 @@ impl Motion {
         }
         Some(Motion { a, lambda, second, terms })
     }
+}
+
+/// Accelerations and multipliers that rows in force have also where friction makes what presses a contact open it, as it does to a rod that slides on
+/// ahead of its foot: M a − (Jᵀ + B) λ = −h and J a = −γ; `None` where these do not determine them.
+///
+/// Such a motion is not run, but is one of the several that Painlevé (1895) found.
+fn where_pressing_opens(system: &dyn System, at: At<'_>) -> Option<(Vec<f64>, Vec<f64>)> {
+    let (n, count) = (system.len(), system.description().rows.len());
+    let rows: Vec<usize> = rows_in_force(system).collect();
+    let (mut bias, mut gamma) = (vec![0.0; n], vec![0.0; count]);
+    system.bias(at, &mut bias);
+    system.constraint_bias(at, &mut gamma);
+    let order = n + rows.len();
+    let mut matrix = DMatrix::zeros(order, order);
+    matrix.view_mut((0, 0), (n, n)).copy_from(&mass_matrix(system, at));
+    matrix.view_mut((0, n), (n, rows.len())).copy_from(&-multiplier_effects(system, at, &rows));
+    matrix.view_mut((n, 0), (rows.len(), n)).copy_from(&constraint_matrix(system, at, &rows));
+    let right: Vec<f64> = bias.iter().copied().chain(rows.iter().map(|row| gamma[*row])).map(|term| -term).collect();
+    if rank(equilibrated(&matrix).0, DETERMINED)? < order {
+        return None;
+    }
+    let found = solve_least(&matrix, &DMatrix::from_column_slice(order, 1, &right))?;
+    let mut lambda = vec![0.0; count];
+    rows.iter().zip(&found.as_slice()[n..]).for_each(|(row, value)| lambda[*row] = *value);
+    Some((found.as_slice()[..n].to_vec(), lambda))
 }
 
 /// Forces and accelerations in the combination in force, with the directions that are held; `None` where there are none.

@@ -202,6 +202,31 @@ scene: {start: {x: 0, theta: atan(2), x': -1, theta': 0}, until: 0.001, toleranc
     );
 }
 
+/// The same rod with contacts that open by themselves: where its tip is thrown off the floor (l/2 θ'² sin θ > g) it may leave or slide on, in the region
+/// where friction opens what presses; where it is not, it can do neither.
+#[test]
+fn e10_a_rod_that_may_slide_or_leave_is_undecided_at_its_start() {
+    let rod = "
+name: Chalk
+parameters: {m: 1 kg, l: 1 m, mu: 1 1, g: 10 m/s^2, w: 6 rad/s, v: 5 m/s, t0: atan(2)}
+coordinates: {x: m, y: m, theta: rad}
+points: {tip: \"[x, y] - l/2*[cos(theta), sin(theta)]\"}
+bodies: {chalk: {mass: m, inertia: m*l^2/12, angle: theta, position: \"[x, y]\"}}
+gravity: [0, -g]
+contacts: {floor: {gap: tip.y, on: chalk, at: tip, normal: \"[0, 1]\", friction: mu}}
+scene: {start: {theta: t0, theta': w, y: l/2*sin(t0), x: 0, y': l/2*cos(t0)*w, x': v}, until: 0.001, tolerance: 1e-10}
+";
+    let begun = |mu: f64, w: f64, v: f64| Case::written(rod).set("mu", mu).set("w", w).set("v", v).try_run();
+    for (mu, w, v) in [(1.33, 6.0, -5.0), (1.34, 6.0, 5.0), (1.33, 2.0, -5.0), (1.34, 2.0, 5.0)] {
+        assert!(begun(mu, w, v).is_ok(), "mu = {mu}, w = {w}, v = {v}");
+    }
+    for (w, solutions) in [(6.0, vec!["floor slips backwards", "floor open"]), (2.0, vec![])] {
+        let Some(Error::Run(failure)) = begun(1.34, w, -5.0).err() else { panic!("a motion with w = {w}") };
+        let Cause::UndecidedContacts { found } = &failure.cause else { panic!("{}", failure.cause) };
+        assert_eq!(*found, solutions);
+    }
+}
+
 /// E18: balls that touch are struck one after the other, in the order in which the impacts reach them: the last one leaves.
 #[test]
 fn e18_in_newtons_cradle_the_last_ball_leaves() {
