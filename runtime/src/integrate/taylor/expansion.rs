@@ -111,7 +111,7 @@ impl Expansion {
                 forces[*i] += later(*value, &self.multipliers, r);
             }
         }
-        self.kkt.solve(forces, bends);
+        self.kkt.solve_exactly(forces, bends);
         let order = (k + 1) as f64;
         for (i, acceleration) in forces.iter().enumerate() {
             self.accelerations[i * WIDTH + ORDER - k] = *acceleration;

@@ -233,6 +233,13 @@ impl KktSolver {
         substitute_back(&self.mass, f);
     }
 
+    /// As [`KktSolver::solve`], δ being what J δ = g alone makes of it where rows determine it by themselves.
+    pub fn solve_exactly(&mut self, f: &mut [f64], g: &mut [f64]) {
+        self.gamma.iter_mut().zip(&*g).for_each(|(gamma, g)| *gamma = -g);
+        self.solve(f, g);
+        self.determine(f);
+    }
+
     /// The accelerations, and the multipliers of all rows of the mechanism, at a state; constraints that are missed return
     /// to 0 like e^(−α t).
     ///
