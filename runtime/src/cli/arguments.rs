@@ -288,6 +288,7 @@ fn orbit() -> Command {
         .arg(value("branch", "K", "Follow the family that leaves at the K-th threshold of this one").value_parser(clap::value_parser!(u64).range(1..=1000)).requires("vary"))
         .arg(flag("here", "Begin at rest where the scene starts: rest under a drive"))
         .arg(value("map", "A=FROM..TO:COUNT,B=FROM..TO:COUNT", "Stability over two parameters with its boundaries; --plot draws the first across").conflicts_with_all(["vary", "energy", "save"]))
+        .arg(flag("double-double", "Go on in double-double: period, start and energy to some 25 digits; no constraints, discontinuities, events or forces of time").conflicts_with_all(["vary", "map"]))
         .arg(value("segments", "COUNT", "Pieces into which the map is cut [default: 8 a period, more where changes grow fast]").value_parser(clap::value_parser!(u64).range(1..=512)))
         .arg(value("method", "METHOD", "As of `simulate` [default: auto]"))
         .arg(value("max-steps", "COUNT", "No more steps than these [default: 10000000]").value_parser(clap::value_parser!(u64)))

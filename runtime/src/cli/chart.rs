@@ -41,7 +41,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
         let settings = Settings { max_steps, ..settings };
         let candidates = methods(&loaded, &settings, options, Candidate::fixed_steps)?;
         let plan = Plan { columns, ..Plan::default() };
-        let model = interpreted(&loaded, options);
+        let model = loaded.to_interpret(options);
         let found = said(&interruption, |progress| {
             Convergence::measure_extended(&candidates, &plan, model.as_ref().map_err(|why| *why), progress)
         })?;
@@ -71,7 +71,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
         ));
     }
     let plan = Plan { columns, ..Plan::default() };
-    let model = interpreted(&loaded, options);
+    let model = loaded.to_interpret(options);
     let mut measured = vec![measure(&methods, &plan, &model, &interruption)?];
     if !ways.is_empty() && !interruption.is_asked() {
         let mut found = measure(&ways, &plan, &model, &interruption)?;
@@ -132,16 +132,6 @@ fn put_table(path: &str, table: &str, output: Option<&mut dyn Write>) -> Result<
 fn columns(options: &ArgMatches) -> Vec<String> {
     let given = options.get_many::<String>("compare").into_iter().flatten();
     given.flat_map(|list| filled_parts(list)).map(ToOwned::to_owned).collect()
-}
-
-/// The model for a reference in double-double, or why there is none.
-fn interpreted(loaded: &Loaded, options: &ArgMatches) -> Result<Interpreted, DoubleOnly> {
-    match options.contains_id("input") {
-        true => Err(DoubleOnly::Inputs),
-        false => {
-            loaded.program().map_or(Err(DoubleOnly::NoModel), |program| Ok(Interpreted::new(program, &loaded.source)))
-        }
-    }
 }
 
 /// The methods of `--methods`, or those of a default.

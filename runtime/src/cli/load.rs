@@ -15,6 +15,7 @@ use dalembert_symbolic::{diagnose, file};
 use super::plotted::filled_parts;
 use super::{Context, Entry, Problem};
 use crate::mechanism::{Interpreted, System};
+use crate::precision::DoubleOnly;
 
 /// A model file, whatever is wrong with it.
 #[derive(Clone)]
@@ -250,6 +251,14 @@ impl Loaded {
             None => derived(&self.file()),
         }
         .map_err(|problems| self.problem(&problems))
+    }
+
+    /// The model to interpret in double-double, or why there is none.
+    pub fn to_interpret(&self, options: &ArgMatches) -> Result<Interpreted, DoubleOnly> {
+        if options.contains_id("input") {
+            return Err(DoubleOnly::Inputs);
+        }
+        self.program().map_or(Err(DoubleOnly::NoModel), |program| Ok(Interpreted::new(program, &self.source)))
     }
 
     /// The model with its names, for reading expressions.

@@ -16,8 +16,8 @@ use crate::error::{Error, NearReturn, NoOrbit, StuckInWords};
 use crate::find::Value;
 use crate::mechanism::Goal;
 use crate::numbers::{counted, spaced};
-use crate::orbit::{Family, Multiplier, Orbit, OrbitSearch, StabilityMap};
-use crate::run::written;
+use crate::orbit::{ExtendedOrbit, ExtendedValue, Family, Multiplier, Orbit, OrbitSearch, StabilityMap};
+use crate::run::{Run, written};
 use crate::show::{has_units, unit};
 
 /// Searches, and prints what was found.
@@ -48,6 +48,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
         stability_maps::report(&loaded, &map, options, out)?;
         return unless_broken_off(map.interrupted);
     }
+    let search = if options.get_flag("double-double") { search.extended(loaded.to_interpret(options)) } else { search };
     match search.find() {
         Ok(orbit) => report(&loaded, &orbit, options, out),
         Err(error) => Err(failed(&loaded, &error, options, out)?),
@@ -238,6 +239,9 @@ fn report(loaded: &Loaded, orbit: &Orbit, options: &ArgMatches, out: &mut dyn Wr
     if let Some(energy) = orbit.energy {
         writeln!(out, "  energy = {}{joule}", crate::numbers::short(energy))?;
     }
+    if let Some(extended) = &orbit.extended {
+        report_extended(extended, &orbit.run, [second, joule], out)?;
+    }
     if orbit.repeats > 1 {
         writeln!(out, "shorter        the motion repeats itself {} times in the period of the guess", orbit.repeats)?;
     }
@@ -267,6 +271,24 @@ fn report(loaded: &Loaded, orbit: &Orbit, options: &ArgMatches, out: &mut dyn Wr
     Ok(())
 }
 
+/// The numbers of a motion in double-double.
+fn report_extended(
+    ExtendedOrbit { period, start, energy, .. }: &ExtendedOrbit,
+    run: &Run,
+    [second, joule]: [&str; 2],
+    out: &mut dyn Write,
+) -> Result<(), Problem> {
+    writeln!(out, "in double-double, to the digits of two extrapolations:")?;
+    writeln!(out, "  period = {}{second}", period.written())?;
+    for value in start {
+        writeln!(out, "  {} = {}{}", value.name, value.written(), spaced(&run.unit(&value.name)))?;
+    }
+    if let Some(energy) = energy {
+        writeln!(out, "  energy = {}{joule}", energy.written())?;
+    }
+    Ok(())
+}
+
 /// Multipliers with the digits that hold; those that are too small for a number by their logarithm.
 pub(super) fn multipliers(list: &[Multiplier]) -> String {
     if list.is_empty() {
@@ -293,6 +315,21 @@ pub(super) fn multipliers(list: &[Multiplier]) -> String {
 
 fn as_json(loaded: &Loaded, orbit: &Orbit) -> Json {
     let value = |value: &Value| json!({"value": number(value.value), "error": number(value.error)});
+    let extended = |value: &ExtendedValue| {
+        json!({
+            "digits": value.written(),
+            "value": number(value.value),
+            "rest": number(value.rest),
+            "error": number(value.error),
+        })
+    };
+    let in_double_double = orbit.extended.as_ref().map(|found| {
+        json!({
+            "period": extended(&found.period),
+            "start": object(found.start.iter().map(|number| (number.name.clone(), extended(number)))),
+            "energy": found.energy.as_ref().map(extended),
+        })
+    });
     object([
         ("model", json!(loaded.name)),
         ("period", value(&orbit.period)),
@@ -306,6 +343,7 @@ fn as_json(loaded: &Loaded, orbit: &Orbit) -> Json {
         ("free", json!(orbit.free)),
         ("energy", orbit.energy.map_or(Json::Null, number)),
         ("events", json!(orbit.events)),
+        ("double_double", json!(in_double_double)),
         ("returns", number(orbit.returns)),
         ("steps", json!(orbit.steps)),
         ("runs", json!(orbit.runs)),

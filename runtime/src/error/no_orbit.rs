@@ -12,6 +12,11 @@ pub enum NoOrbit {
     States,
     /// The mechanism holds values that events set, of which closing motions and their multipliers are not known yet.
     Memory,
+    /// The motion was asked for in double-double, which it is not known in.
+    DoubleOnly {
+        /// What is in the way.
+        why: String,
+    },
     /// What the search comes to is an equilibrium, which repeats itself after any time.
     Rest,
     /// The motion comes near to none of its states again, so that there is no period to begin with.
@@ -181,6 +186,7 @@ impl fmt::Display for NoOrbit {
                 "the mechanism holds values that events set, or directions in which contacts slide in space, of which closing motions and their multipliers are not known yet; `modes --sampled` \
                  tells the stability of a loop that is sampled",
             ),
+            NoOrbit::DoubleOnly { why } => write!(f, "the motion is not known in double-double: {why}"),
             NoOrbit::States => f.write_str(
                 "the mechanism has states of first order, of which closing motions and their multipliers are not known yet; `simulate` until it \
                  repeats itself, with an event that records",

@@ -3,8 +3,10 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::closing::{By, Closing, Difference};
+#[cfg(feature = "interpret")]
+use super::double_double::Wanted;
 use super::family::BETWEEN;
-use super::found::Orbit;
+use super::found::{ExtendedOrbit, Orbit};
 use super::guess::{self, begin_at, sizes_of_pieces, states_of};
 use super::laps::{Laps, Point, Solution, Time, Trial, itinerary, lcm};
 use super::smallest::{self, WithPeriod, follows_to};
@@ -44,6 +46,9 @@ pub(super) struct Begun {
     pub chosen: bool,
     /// Other values of parameters, by their places, with which the motion is to close in the same way.
     pub elsewhere: Vec<Vec<(usize, f64)>>,
+    /// What is asked for in double-double.
+    #[cfg(feature = "interpret")]
+    pub extended: Option<Wanted>,
 }
 
 impl Laps {
@@ -330,6 +335,7 @@ impl Begun {
     }
 
     pub fn told(&mut self, solution: Solution, found: Spectrum) -> Result<Orbit, Error> {
+        let extended = self.in_double_double(&solution)?;
         let laps = &mut self.laps;
         let finer = laps.try_finer(&solution).ok();
         let moved = finer.as_ref().map(|finer| moved(&solution, finer));
@@ -382,12 +388,25 @@ impl Begun {
             free,
             energy,
             events,
+            extended,
             run,
             steps: solution.steps,
             runs: laps.runs,
             legs: laps.legs,
             repeats: self.repeats,
         })
+    }
+
+    /// A solution to more digits, where they are asked for.
+    #[cfg(feature = "interpret")]
+    fn in_double_double(&mut self, solution: &Solution) -> Result<Option<ExtendedOrbit>, Error> {
+        let laps = &mut self.laps;
+        self.extended.as_ref().map(|wanted| wanted.of(laps, solution)).transpose()
+    }
+
+    #[cfg(not(feature = "interpret"))]
+    fn in_double_double(&mut self, _: &Solution) -> Result<Option<ExtendedOrbit>, Error> {
+        Ok(None)
     }
 
     /// How far plain runs of a motion that is known to a part of the scales miss their starts at most; refuses one that does not close.

@@ -146,6 +146,8 @@ impl OrbitSearch {
         let Walk { mut begun, .. } = walk;
         begun.laps.scales = node.scales;
         begun.laps.energy = Some(energy + begun.rest_energy);
+        #[cfg(feature = "interpret")]
+        begun.extended.iter_mut().for_each(|wanted| wanted.energy = Some(energy));
         begun.finish(node.solution)
     }
 

@@ -2,6 +2,8 @@
 
 use crate::find::Value;
 use crate::run::Run;
+#[cfg(feature = "interpret")]
+use crate::run::written;
 
 /// A motion that repeats itself.
 #[derive(Clone, Debug)]
@@ -30,6 +32,8 @@ pub struct Orbit {
     pub events: Vec<String>,
     /// How far a plain run of one period misses, in parts of how far each number goes.
     pub returns: f64,
+    /// The same to more digits, where they were asked for.
+    pub extended: Option<ExtendedOrbit>,
     /// A plain run of one period.
     pub run: Run,
     /// Newton steps that were taken.
@@ -40,6 +44,59 @@ pub struct Orbit {
     pub legs: usize,
     /// So many times the motion was repeated within the period of the guess.
     pub repeats: usize,
+}
+
+/// A motion that repeats itself in double-double: to some 25 digits.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct ExtendedOrbit {
+    /// After how long it is as it was, s.
+    pub period: ExtendedValue,
+    /// [q; q'] at its start, SI.
+    pub start: Vec<ExtendedValue>,
+    /// The energy (Jacobi integral), J, where it is conserved.
+    pub energy: Option<ExtendedValue>,
+}
+
+/// A number in double-double, SI: the sum of two.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct ExtendedValue {
+    /// What it is of.
+    pub name: String,
+    /// The number in `f64`.
+    pub value: f64,
+    /// What it is more.
+    pub rest: f64,
+    /// How far both together may be off: what another method's steps, and the last correction, say of it.
+    pub error: f64,
+}
+
+/// Digits of a number in double-double, at most: 2⁻¹⁰⁴ is 5·10⁻³².
+#[cfg(feature = "interpret")]
+const MOST_DIGITS: i32 = 31;
+
+#[cfg(feature = "interpret")]
+impl ExtendedValue {
+    /// The number with the digits that hold: the last one stands for no less than the error.
+    pub fn written(&self) -> String {
+        let ExtendedValue { value, rest, error, .. } = *self;
+        let leading = value.abs().log10().floor();
+        let decimals = -(error.log10().ceil().max(leading - f64::from(MOST_DIGITS - 1)));
+        // In units of the last decimal, of which a number has no more than its digits and one.
+        if !(leading.abs() < f64::from(MOST_DIGITS) && (0.0..=2.0 * f64::from(MOST_DIGITS)).contains(&decimals)) {
+            return written(value, error);
+        }
+        let decimals = decimals as usize;
+        let counted = |part: f64| format!("{part:.*}", decimals + 1).replace('.', "").parse::<i128>();
+        let (Ok(most), Ok(least)) = (counted(value), counted(rest)) else { return written(value, error) };
+        let tenths = most + least;
+        let rounded = (tenths + 5 * tenths.signum()) / 10;
+        let digits = format!("{:0>width$}", rounded.abs(), width = decimals + 1);
+        let (whole, fraction) = digits.split_at(digits.len() - decimals);
+        let sign = if rounded < 0 { "-" } else { "" };
+        if fraction.is_empty() { format!("{sign}{whole}") } else { format!("{sign}{whole}.{fraction}") }
+    }
 }
 
 /// By what a change of the motion is multiplied each time the map is applied: μ, as a complex number.

@@ -142,7 +142,7 @@ pub(super) fn mode(
     start: &[f64],
     (number, amplitude): (usize, f64),
     wanted: Option<f64>,
-) -> Result<(Vec<f64>, f64, f64), Error> {
+) -> Result<(Vec<f64>, f64, Vec<f64>), Error> {
     let mode = RestingMode::find(system, start, number)?;
     let largest = mode.largest().1;
     let RestingMode { linear, omega, independent, shape } = mode;
@@ -176,7 +176,7 @@ pub(super) fn mode(
             factor *= SHORTER;
         }
     }
-    Ok(([displaced(factor * amplitude), rest].concat(), std::f64::consts::TAU / omega, least))
+    Ok(([displaced(factor * amplitude), rest].concat(), std::f64::consts::TAU / omega, rests.clone()))
 }
 
 /// A run along the guess, the sizes of [q; q'], and how long a lap takes; the settings begin where it does.

@@ -7,13 +7,15 @@
 //!    `acting.rs`.
 //! 3. The smallest map that closes it: `smallest.rs`; directions that are known beforehand: `structure.rs`; multipliers of the rest, by the
 //!    periodic QR algorithm: `multipliers.rs`, `stability.rs`.
-//! 4. From the guess to what is told: `begun.rs`; what is found: `found.rs`; families of such motions: `family.rs`, and the walk along them with
+//! 4. From the guess to what is told: `begun.rs`; what is found: `found.rs`, and to more digits: `double_double.rs`; families of such motions: `family.rs`, and the walk along them with
 //!    branches: `walk.rs`; where they change: `thresholds.rs`, and where they answer most: `peaks.rs`; stability over two parameters:
 //!    `stability_map.rs`; pictures: `picture.rs`.
 
 mod acting;
 mod begun;
 mod closing;
+#[cfg(feature = "interpret")]
+mod double_double;
 mod drive;
 mod family;
 mod found;
@@ -31,6 +33,6 @@ mod thresholds;
 mod walk;
 
 pub use family::{Family, Member, OrbitChange, Peak, Threshold};
-pub use found::{Multiplier, Orbit};
+pub use found::{ExtendedOrbit, ExtendedValue, Multiplier, Orbit};
 pub use search::OrbitSearch;
 pub use stability_map::{Boundary, BoundaryPoint, StabilityMap};

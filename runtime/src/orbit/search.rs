@@ -4,6 +4,8 @@ use nalgebra::DVector;
 
 use super::begun::{Begun, WITHIN};
 use super::closing::{By, Closing, Difference};
+#[cfg(feature = "interpret")]
+use super::double_double::Wanted;
 use super::drive::Drive;
 use super::found::Orbit;
 use super::guess::{first_run, states_of};
@@ -11,7 +13,11 @@ use super::laps::{Laps, Time};
 use super::{acting, guess, structure};
 use crate::error::{Error, NearReturn, NoOrbit};
 use crate::linear::has_dependent_coordinates;
-use crate::mechanism::{Action, Closes, Description, Goal, System};
+#[cfg(feature = "interpret")]
+use crate::mechanism::Interpreted;
+use crate::mechanism::{Action, At, Closes, Description, Goal, System};
+#[cfg(feature = "interpret")]
+use crate::precision::DoubleOnly;
 use crate::run::{Run, Side};
 use crate::simulate::{Described, Settings, Simulation, simulate};
 
@@ -37,12 +43,15 @@ pub struct OrbitSearch {
     pub(super) varies: Vec<usize>,
     /// A motion of the file by its place, and how it closes, to which the rest is added.
     motion: Option<(usize, Closes)>,
+    /// The mechanism to interpret in double-double, or why there is none; `None` where that is not asked for.
+    #[cfg(feature = "interpret")]
+    extended: Option<Result<Interpreted, DoubleOnly>>,
 }
 
 /// Where a search begins at a mode.
 struct ModeStart {
-    /// The energy of the equilibrium, J; 0 without a mode.
-    rest_energy: f64,
+    /// The coordinates of the equilibrium; `None` without a mode.
+    rests: Option<Vec<f64>>,
     /// A guess of the period, s: the user's, or the mode's.
     period: Option<f64>,
 }
@@ -97,6 +106,8 @@ impl OrbitSearch {
             legs: None,
             varies: Vec::new(),
             motion: None,
+            #[cfg(feature = "interpret")]
+            extended: None,
         }
     }
 
@@ -184,6 +195,23 @@ impl OrbitSearch {
         self
     }
 
+    /// Goes on in double-double from what is found, by this mechanism interpreted: [`Orbit::extended`](super::Orbit).
+    ///
+    /// Pieces are run by the method of Gragg, Bulirsch and Stoer; what they miss each other by is taken away by the slopes of the search, so that each
+    /// correction leaves a part of the one before it which is as small as the error of those slopes.  Digits that are told agree with those of a second
+    /// extrapolation.  Of motions without constraints, discontinuities, events that act, or forces that depend on time.
+    #[cfg(feature = "interpret")]
+    pub fn in_double_double(self, model: &Interpreted) -> Self {
+        self.extended(Ok(model.clone()))
+    }
+
+    /// The same where there may be a reason for no mechanism.
+    #[cfg(feature = "interpret")]
+    pub(crate) fn extended(mut self, model: Result<Interpreted, DoubleOnly>) -> Self {
+        self.extended = Some(model);
+        self
+    }
+
     /// Searches.  Where the motion of an energy is not found near those of small motions of a mode, their family leads to it.
     ///
     /// # Errors
@@ -224,6 +252,8 @@ impl OrbitSearch {
             turned: self.turned.clone(),
             mode: Some(mode),
             legs: self.legs,
+            #[cfg(feature = "interpret")]
+            extended: self.extended.clone(),
             ..OrbitSearch::of(Ok((system.boxed_clone(), settings.clone(), origin.clone())))
         };
         Some((small, energy))
@@ -239,7 +269,11 @@ impl OrbitSearch {
         let stated = self.period.is_some();
         let timed = acting::time_acts(&*system, &self.varies, &[settings.q.as_slice(), &settings.v].concat());
         let drive = if timed { Drive::of(&*system, self.period)? } else { Drive::None };
-        let ModeStart { rest_energy, mut period } = self.begin_at_mode(&*system, &mut settings)?;
+        let ModeStart { rests, mut period } = self.begin_at_mode(&*system, &mut settings)?;
+        let rest_energy = rests.as_ref().map_or(0.0, |q| {
+            let still = vec![0.0; q.len()];
+            system.energy(At::new(0.0, q, &still)).jacobi
+        });
         let time = match (closing.by, timed) {
             (By::After { .. }, _) => Time::Event,
             (By::Part(_), true) => Time::Driven,
@@ -288,8 +322,18 @@ impl OrbitSearch {
             return Err(NoOrbit::NoEnergy.into());
         }
         let point = if laps.time == Time::Event { laps.in_turn(&run)? } else { laps.along(&run, lap)? };
-        let chosen = self.legs.is_some();
-        Ok(Begun { laps, point, given, acts, rest_energy, repeats: 1, chosen, elsewhere: Vec::new() })
+        Ok(Begun {
+            laps,
+            point,
+            given,
+            acts,
+            rest_energy,
+            repeats: 1,
+            chosen: self.legs.is_some(),
+            elsewhere: Vec::new(),
+            #[cfg(feature = "interpret")]
+            extended: self.extended.map(|model| Wanted { model, energy: self.energy, rests }),
+        })
     }
 
     /// The mechanism, and how its runs are computed; with the period and the energy that the file says of the motion.
@@ -319,15 +363,15 @@ impl OrbitSearch {
 
     /// Begins at a mode, where one is asked for.
     fn begin_at_mode(&self, system: &dyn System, settings: &mut Settings) -> Result<ModeStart, Error> {
-        let Some(mode) = self.mode else { return Ok(ModeStart { rest_energy: 0.0, period: self.period }) };
-        let (y, time, rest_energy) = guess::mode(system, &settings.q, mode, self.energy)?;
+        let Some(mode) = self.mode else { return Ok(ModeStart { rests: None, period: self.period }) };
+        let (y, time, rests) = guess::mode(system, &settings.q, mode, self.energy)?;
         guess::begin_at(settings, y);
         if has_dependent_coordinates(system) {
             // Brought to the constraints.
             let n = system.len();
             (settings.held_q, settings.held_v, settings.guessed) = (vec![false; n], vec![false; n], true);
         }
-        Ok(ModeStart { rest_energy, period: self.period.or(Some(time)) })
+        Ok(ModeStart { rests: Some(rests), period: self.period.or(Some(time)) })
     }
 
     /// Into how many pieces the map is cut.

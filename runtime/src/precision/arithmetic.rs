@@ -22,7 +22,7 @@ pub enum Arithmetic {
     },
 }
 
-/// Why a reference is in `f64` only.
+/// Why a reference, or a motion that repeats, is in `f64` only.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum DoubleOnly {
@@ -38,12 +38,19 @@ pub enum DoubleOnly {
     Events,
     /// An input is not the model file's.
     Inputs,
+    /// Forces depend on time.
+    Time,
     /// A pivot of M vanishes, or something is not finite.
     Singular,
     /// The steps are too many.
     TooLong {
         /// Evaluations of the accelerations that do not suffice.
         evaluations: u64,
+    },
+    /// Corrections of a motion that repeats end before its digits do.
+    Unsettled {
+        /// The size of the last one, in parts of what it changes.
+        by: f64,
     },
     /// It was broken off.
     Interrupted,
@@ -65,6 +72,8 @@ impl fmt::Display for DoubleOnly {
             DoubleOnly::Switches => f.write_str("there are discontinuities or tables"),
             DoubleOnly::Events => f.write_str("there are events"),
             DoubleOnly::Inputs => f.write_str("an input is not the file's"),
+            DoubleOnly::Time => f.write_str("its forces depend on time"),
+            DoubleOnly::Unsettled { by } => write!(f, "its corrections end at {by:.0e} of what they change"),
             DoubleOnly::Singular => f.write_str("the accelerations are not known somewhere"),
             DoubleOnly::TooLong { evaluations } => write!(f, "it takes more than {evaluations} evaluations"),
             DoubleOnly::Interrupted => f.write_str("it was broken off"),

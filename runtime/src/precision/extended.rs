@@ -6,10 +6,10 @@ use super::extrapolation::{Extrapolation, Scheme};
 use super::{Arithmetic, Candidate, DoubleOnly, Reference};
 use crate::mechanism::{Action, ExtendedAt, Interpreted, System};
 use crate::run::Names;
-use crate::simulate::Interruption;
+use crate::simulate::{Interruption, Settings};
 
 /// The run whose values are taken, and the one that they are compared with.
-pub(super) const SCHEMES: [Scheme; 2] =
+pub(crate) const SCHEMES: [Scheme; 2] =
     [Scheme { rows: 13, rise: 2, tolerance: 1e-27 }, Scheme { rows: 11, rise: 4, tolerance: 1e-26 }];
 /// Methods in `f64` round what the file says alike, so that they may agree better than with the motion; what is off by more than this
 /// times what they do not know is another motion.
@@ -43,7 +43,7 @@ impl Reference {
         candidate: &Candidate,
         model: &Interpreted,
     ) -> Result<(Vec<Vec<DoubleDouble>>, Arithmetic), DoubleOnly> {
-        let model = prepared(candidate, model)?;
+        let model = prepared((&*candidate.system, &candidate.settings), model)?;
         let interruption = &candidate.settings.interruption;
         let values = self.columns_of(&model, SCHEMES[0], interruption)?;
         let others = self.columns_of(&model, SCHEMES[1], interruption)?;
@@ -65,7 +65,8 @@ impl Reference {
         let description = model.description();
         let n = description.coordinates.len();
         let start = self.start.iter().map(|value| (*value).into()).collect();
-        let states = motion(model, start, (&self.times, &self.sizes), scheme, interruption)?;
+        let times: Vec<DoubleDouble> = self.times.iter().map(|t| (*t).into()).collect();
+        let states = motion(model, start, (&times, &self.sizes), scheme, interruption)?;
         // As runs name them: coordinates, rates, outputs; then time.
         let mut names = Names::of(description).columns();
         names.push("t".to_owned());
@@ -73,8 +74,7 @@ impl Reference {
         let places = self.columns.iter().map(place).collect::<Result<Vec<usize>, DoubleOnly>>()?;
         let mut columns = vec![Vec::new(); places.len()];
         let (mut a, mut outputs) = (vec![DoubleDouble::ZERO; n], vec![DoubleDouble::ZERO; description.output_len()]);
-        for (t, y) in self.times.iter().zip(states) {
-            let t = DoubleDouble::from(*t);
+        for (t, y) in times.into_iter().zip(states) {
             if description.outputs_use_accelerations {
                 accelerations(model, t, &y, &mut a)?;
             }
@@ -103,10 +103,13 @@ impl Reference {
     }
 }
 
-/// The model with the candidate's parameters, if its motion is smooth.
-fn prepared(candidate: &Candidate, model: &Interpreted) -> Result<Interpreted, DoubleOnly> {
-    let (description, own) = (candidate.system.description(), model.description());
-    let parameters = candidate.system.parameters();
+/// The model with the parameters of a run that was described, if its motion is smooth.
+pub(crate) fn prepared(
+    (system, settings): (&dyn System, &Settings),
+    model: &Interpreted,
+) -> Result<Interpreted, DoubleOnly> {
+    let (description, own) = (system.description(), model.description());
+    let parameters = system.parameters();
     let same = description.source_hash == own.source_hash
         && description.coordinates == own.coordinates
         && parameters.len() == own.parameters.len();
@@ -119,24 +122,24 @@ fn prepared(candidate: &Candidate, model: &Interpreted) -> Result<Interpreted, D
         (!description.rows.is_empty(), DoubleOnly::Constraints),
         (!description.switches.is_empty() || !description.tables.is_empty(), DoubleOnly::Switches),
         (description.events.iter().any(|event| event.actions.iter().any(acts)), DoubleOnly::Events),
-        ((0..inputs).any(|index| candidate.system.signal(index).is_some()), DoubleOnly::Inputs),
+        ((0..inputs).any(|index| system.signal(index).is_some()), DoubleOnly::Inputs),
     ];
     if let Some((_, why)) = why.into_iter().find(|(holds, _)| *holds) {
         return Err(why);
     }
     let mut model = model.clone();
     parameters.into_iter().enumerate().for_each(|(index, value)| model.set_parameter(index, value));
-    model.set_phase(candidate.settings.phase);
-    let memory = candidate.settings.memory.clone().unwrap_or_else(|| model.scene_memory(0));
+    model.set_phase(settings.phase);
+    let memory = settings.memory.clone().unwrap_or_else(|| model.scene_memory(0));
     model.set_memory(&memory);
     Ok(model)
 }
 
 /// [q; q'] at these times from its value at the first one on; `sizes` is what errors of it are measured by.
-pub(super) fn motion(
+pub(crate) fn motion(
     model: &Interpreted,
     start: Vec<DoubleDouble>,
-    (times, sizes): (&[f64], &[f64]),
+    (times, sizes): (&[DoubleDouble], &[f64]),
     scheme: Scheme,
     interruption: &Interruption,
 ) -> Result<Vec<Vec<DoubleDouble>>, DoubleOnly> {

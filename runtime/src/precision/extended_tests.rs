@@ -51,7 +51,7 @@ fn distance(model: &Interpreted, start: &[DoubleDouble], file: &str, at: &[&str]
     let states = known["reference"].as_array().unwrap().iter();
     let states: Vec<_> = states.filter(|state| number(state, "t").to_f64().fract() == 0.0).collect();
     let times = std::iter::once(0.0).chain(states.iter().map(|state| number(state, "t").to_f64()));
-    let times: Vec<f64> = times.collect();
+    let times: Vec<DoubleDouble> = times.map(DoubleDouble::from).collect();
     let computed =
         motion(model, start.to_vec(), (&times, &vec![1.0; start.len()]), SCHEMES[0], &Interruption::default()).unwrap();
     let pairs = states.iter().zip(&computed[1..]);

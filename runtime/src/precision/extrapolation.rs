@@ -31,7 +31,7 @@ pub(super) struct Extrapolation<'a> {
 
 /// What an extrapolation does in a step.
 #[derive(Clone, Copy)]
-pub(super) struct Scheme {
+pub(crate) struct Scheme {
     /// The most rows; the order is twice as many.
     pub rows: usize,
     /// By how much n rises from row to row, an even number.
@@ -48,12 +48,16 @@ impl Extrapolation<'_> {
     ///
     /// # Errors
     /// f cannot be evaluated, or there would be too many evaluations; [`DoubleOnly::Interrupted`].
-    pub fn through(&self, start: Vec<DoubleDouble>, times: &[f64]) -> Result<Vec<Vec<DoubleDouble>>, DoubleOnly> {
+    pub fn through(
+        &self,
+        start: Vec<DoubleDouble>,
+        times: &[DoubleDouble],
+    ) -> Result<Vec<Vec<DoubleDouble>>, DoubleOnly> {
         let mut found = vec![start];
         let (mut longest, mut evaluations) = (f64::INFINITY, 0);
         for span in times.windows(2) {
             let mut y = found[found.len() - 1].clone();
-            let (mut t, end) = (DoubleDouble::from(span[0]), DoubleDouble::from(span[1]));
+            let (mut t, end) = (span[0], span[1]);
             while t < end {
                 if self.interruption.is_asked() {
                     return Err(DoubleOnly::Interrupted);

@@ -34,6 +34,10 @@ mod work;
 pub use arithmetic::{Arithmetic, DoubleOnly};
 pub use candidate::Candidate;
 pub use curve::Curve;
+#[cfg(feature = "interpret")]
+pub(crate) use extended::{SCHEMES, motion, prepared};
+#[cfg(feature = "interpret")]
+pub(crate) use extrapolation::Scheme;
 pub use fidelity::{Fidelity, Verified};
 pub use map::{Limit, StabilityMap};
 pub use point::{AccuracyControl, Measured, Point};

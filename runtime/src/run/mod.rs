@@ -29,7 +29,7 @@ pub use contacts::ContactHistory;
 pub(crate) use continuous::Continuous;
 pub(crate) use deviation::apart_by;
 pub use digits::Digits;
-#[cfg(feature = "cli")]
+#[cfg(feature = "interpret")]
 pub(crate) use digits::written;
 pub use failure::Failure;
 pub(crate) use frames::Scenery;

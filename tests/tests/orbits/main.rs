@@ -1,5 +1,6 @@
 //! Motions that repeat, against references of twenty digits and more and closed forms.
 
+mod double_double;
 mod driven;
 mod relaxation;
 mod touching;

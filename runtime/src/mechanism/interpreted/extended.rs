@@ -64,6 +64,13 @@ impl Interpreted {
         self.extended(Function::Outputs, at, values);
     }
 
+    /// q'·∂T/∂q' − T + V, J.
+    pub(crate) fn extended_jacobi(&self, at: ExtendedAt<'_>) -> DoubleDouble {
+        let mut energies = [DoubleDouble::ZERO; 5];
+        self.extended(Function::Energy, at, &mut energies);
+        energies[2]
+    }
+
     fn extended(&self, function: Function, at: ExtendedAt<'_>, values: &mut [DoubleDouble]) {
         let u = self.extended_inputs(at);
         self.interpreter.evaluate_in(function, |symbol| self.known(symbol, at, &u), values);
