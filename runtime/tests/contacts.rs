@@ -521,3 +521,26 @@ fn generated_code_slides_in_space() {
     let modes: Vec<ContactMode> = history.modes.iter().map(|(mode, _)| *mode).collect();
     assert_eq!(modes, [ContactMode::Open, ContactMode::Slides, ContactMode::Sticks]);
 }
+
+/// ∫₀⁵ |cos 2t| dt = 3 + sin(10 − 3π)/2: a guide without clearance presses on one side or the other, and the side changes where the push vanishes.
+#[test]
+fn a_guide_without_clearance_presses_on_one_side_after_the_other() {
+    let guide = |contact: &str| {
+        format!(
+            "name: Guide\nparameters: {{m: 1 kg, F: 4 N, w: 2 rad/s, mu: 0.2, P: 3 N}}\ncoordinates: {{x: m, y: m}}\n\
+             bodies: {{block: {{mass: m, position: \"[x, y]\"}}}}\n\
+             forces: {{push: {{on: block, force: \"[P, F*cos(w*t)]\"}}}}\n\
+             contacts:\n  low: {{gap: y, on: block, normal: \"[0, 1]\"{contact}}}\n  \
+             high: {{gap: -y, on: block, normal: \"[0, -1]\"{contact}}}\n\
+             scene: {{start: {{x: 0, y: 0}}, until: 5, tolerance: 1e-10}}\n"
+        )
+    };
+    let rubbed = 0.2 * 4.0 * (3.0 + 0.5 * (10.0 - 3.0 * std::f64::consts::PI).sin());
+    for (contact, lost) in [("", 0.0), (", friction: mu", rubbed), (", restitution: 0", 0.0)] {
+        let file = File::new("guide", &guide(contact));
+        let found = json(&["simulate", &file.0]);
+        assert_eq!(names(&found), ["high lifts", "low lifts", "high lifts"], "{contact}");
+        near(&found["v"]["x"], 15.0 - lost, 1e-8);
+        assert_eq!(found["q"]["y"], 0.0);
+    }
+}

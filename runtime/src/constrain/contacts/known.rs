@@ -51,7 +51,7 @@ pub(super) fn known(
             _ if jumped_from.is_some_and(|before| (before.gap, before.gap_rate) != (gap, gap_rate)) => rests,
             (Change::Struck(_), None) => present.touches() || rests,
             _ if happened == Some(ContactEvent::Lands) => situation.closed[k] && (gap_is_still || gap_rate < 0.0),
-            _ => present.touches(),
+            _ => present.touches() || rests,
         };
     let rolls = match (happened, change, struck) {
         (Some(ContactEvent::Stops | ContactEvent::Slips), ..) => true,

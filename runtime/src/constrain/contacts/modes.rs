@@ -64,6 +64,11 @@ impl<'a> Change<'a> {
         }
     }
 
+    /// Whether an event happened that is not of this contact.
+    fn is_event_of_another(self, k: usize) -> bool {
+        matches!(self, Change::Event { contact, .. } if contact != k)
+    }
+
     /// Where a motion begins, what puts its discontinuities on their sides.
     fn begins(self) -> Option<PutOnSides> {
         match self {
@@ -94,7 +99,11 @@ pub(crate) fn settle(system: &mut dyn System, moment: &Moment<'_>, change: Chang
     aim(system, &situation, &known);
     let modes_before = system.modes().to_vec();
     let forced = change.forced();
-    let trials = all_tried(system, (t, y), shared, (&situation.modes, change));
+    // What presses one contact from here on has just let go of another, as in a guide without clearance: which way it goes is rounding now.
+    let meets = |k: usize| change.is_event_of_another(k) && known[k].touches && !situation.modes[k].touches();
+    let moved = if (0..known.len()).any(meets) { a_moment_later(system, moment) } else { None };
+    let at = moved.as_ref().map_or((t, y), |(t, y)| (*t, y.as_slice()));
+    let trials = all_tried(system, at, shared, (&situation.modes, change));
     system.set_phase(before);
     system.set_memory(&memory_before);
     let agree: Vec<&Trial> = trials.iter().filter(|trial| agrees(trial, &trials, forced)).collect();
@@ -135,6 +144,20 @@ pub(crate) fn settle(system: &mut dyn System, moment: &Moment<'_>, change: Chang
     system.set_phase(phase);
     system.set_memory(&chosen.memory);
     Ok(phase)
+}
+
+/// A time and a state so far ahead that forces which have just vanished have their signs, by the motion that is in force.
+fn a_moment_later(system: &dyn System, &Moment { t, y, step, .. }: &Moment<'_>) -> Option<(f64, Vec<f64>)> {
+    let (a, _) = with_shares(system, At::packed(t, y, system.len())).ok()?;
+    let ahead = AHEAD[0] * step;
+    Some((t + ahead, moved(y, &a, ahead)))
+}
+
+/// A state some seconds later, by constant accelerations.
+fn moved(y: &[f64], a: &[f64], ahead: f64) -> Vec<f64> {
+    let (q, v) = y.split_at(a.len());
+    let places = q.iter().zip(v).zip(a).map(|((q, v), a)| q + ahead * (v + 0.5 * ahead * a));
+    places.chain(v.iter().zip(a).map(|(v, a)| v + ahead * a)).collect()
 }
 
 /// Refuses a gap that is negative.
@@ -299,14 +322,11 @@ fn lasting<'a>(
     shared: Shared<'_>,
     alike: &[&'a Trial],
 ) -> &'a Trial {
-    let n = system.len();
     if alike.len() == 1 || step == 0.0 {
         return sticking_most(alike, shared.known);
     }
     for ahead in AHEAD.map(|part| part * step) {
-        let a = &alike[0].accelerations;
-        let place = |i: usize| y[i] + ahead * (y[n + i] + 0.5 * ahead * a[i]);
-        let later: Vec<f64> = (0..n).map(place).chain((0..n).map(|i| y[n + i] + ahead * a[i])).collect();
+        let later = moved(y, &alike[0].accelerations, ahead);
         let memory = system.memory().to_vec();
         let again = |trial: &&Trial| {
             system.set_memory(&trial.memory);
