@@ -17,6 +17,8 @@ use crate::trust::positive_inertia;
 pub(super) struct Defect {
     draws: Draws,
     longest: f64,
+    /// The length of a step whose defect no halves of it mended: it is rounding, up to that length.
+    unmended: f64,
     y: Vec<f64>,
     slope: Vec<f64>,
     rate: Vec<f64>,
@@ -29,7 +31,8 @@ impl Defect {
     /// At the start of an integration of states of this size.
     pub fn new(size: usize) -> Self {
         let zero = vec![0.0; size];
-        Defect { draws: Draws::new(0x0dec_af00), longest: 0.0, y: zero.clone(), slope: zero.clone(), rate: zero }
+        let draws = Draws::new(0x0dec_af00);
+        Defect { draws, longest: 0.0, unmended: 0.0, y: zero.clone(), slope: zero.clone(), rate: zero }
     }
 
     fn place(&mut self) -> f64 {
@@ -58,10 +61,13 @@ impl Integration {
         locator: &mut Option<Box<EventLocator>>,
         recorder: &Recorder,
     ) -> Result<(Step, bool), Box<Cause>> {
-        let mut retries = 0;
+        let (mut retries, mut defective) = (0, Vec::new());
         loop {
             let step = self.attempt(system, stop, most, locator)?;
             if retries == RETRIES {
+                if defective.len() == RETRIES as usize {
+                    self.defect.unmended = defective[0];
+                }
                 self.dense(system, step)?;
                 return Ok((step, true));
             }
@@ -92,6 +98,7 @@ impl Integration {
                 return Ok((step, true));
             }
             if self.defect_exceeds(system, step)? {
+                defective.push(step.h);
                 most = 0.5 * step.h;
             } else if let Some(shorter) = self.passes_transient(system, step) {
                 most = shorter;
@@ -171,7 +178,7 @@ impl Integration {
     /// True where the dense output of the step that was tried is far from fulfilling the equations.
     fn defect_exceeds(&mut self, system: &dyn System, step: Step) -> Result<bool, Box<Cause>> {
         // Where stability limits the step, dense output is poor and says nothing.
-        if self.step_times_rate > self.stiffness.least() {
+        if self.step_times_rate > self.stiffness.least() || step.h <= self.defect.unmended {
             return Ok(false);
         }
         // An evaluation more is dear to a method whose steps have few: its long steps only.

@@ -1,7 +1,7 @@
 //! The polynomial through values, slopes and second derivatives.
 
 /// A function at x.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Knot {
     pub x: f64,
     pub value: f64,
@@ -10,18 +10,20 @@ pub(super) struct Knot {
     pub bend: f64,
 }
 
-const SIZE: usize = 12;
+/// Conditions that four knots are.
+const MOST: usize = 12;
 
-/// Value and slope at x = 0 of the polynomial of degree 11 through four knots at different x.
+/// Value and slope at x = 0 of the polynomial through up to four knots at different x, of degree 11 through four.
 ///
 /// Newton's form on threefold nodes: divided differences whose nodes are the same are derivatives (Stoer and Bulirsch,
 /// Introduction to Numerical Analysis, section 2.1.5).
-pub(super) fn hermite(knots: &[Knot; 4]) -> (f64, f64) {
-    let node = |i: usize| &knots[i / 3];
-    let mut differences: [f64; SIZE] = std::array::from_fn(|i| node(i).value);
-    for order in 1..SIZE {
+pub(super) fn hermite(knots: &[Knot]) -> (f64, f64) {
+    let (node, size) = (|i: usize| &knots[i / 3], 3 * knots.len());
+    let mut differences = [0.0; MOST];
+    differences[..size].iter_mut().enumerate().for_each(|(i, difference)| *difference = node(i).value);
+    for order in 1..size {
         // From the end, so that those of the order before are still there.
-        for i in (order..SIZE).rev() {
+        for i in (order..size).rev() {
             let (from, to) = (node(i - order), node(i));
             differences[i] = match (i / 3 == (i - order) / 3, order) {
                 (true, 1) => to.slope,
@@ -32,7 +34,7 @@ pub(super) fn hermite(knots: &[Knot; 4]) -> (f64, f64) {
     }
     // Horner's scheme at 0 for the value and its derivative together.
     let (mut value, mut slope) = (0.0, 0.0);
-    for i in (0..SIZE).rev() {
+    for i in (0..size).rev() {
         slope = value - node(i).x * slope;
         value = differences[i] - node(i).x * value;
     }

@@ -6,11 +6,16 @@ use crate::integrate::Segment;
 
 /// More numbers of dense output than this (400 MB) are not kept.
 const MOST_NUMBERS: usize = 50_000_000;
-/// Ends of steps closer than this part of the step looked at tell rounding rather than the motion.
+/// Ends of steps closer than this part of the step looked at tell rounding rather than the motion, and the motion may be smooth on no longer scale.
 const APART: f64 = 0.4;
+/// Four ends that are farther from each other than so many times the step looked at are far: of three steps the others are more than twice as long.
+const FAR: f64 = 5.0;
+/// The polynomial through the two ends of a step misses a motion that is smooth on a longer scale by less than this part of what it changes by: by
+/// 1/46080 of its sixth derivative.
+const SMOOTH: f64 = 1e-3;
 
 /// The motion at any time: (q, q', q'') at the ends of steps, which cost no evaluation, with a polynomial through the
-/// four nearest; at a start, where steps grow, and where it is free, the method's own dense output.
+/// four nearest; at a start, where steps become longer or shorter, and where it is free, the method's own dense output.
 ///
 /// At a tolerance of 10⁻¹⁰ the polynomial is ten times closer to the motion in q than the dense output of `dop853`, and
 /// up to three times farther in q'; at 10⁻⁶ three to six times farther in q'.
@@ -55,22 +60,13 @@ impl Trajectory {
         self.knots.len() + self.pieces.len() > MOST_NUMBERS
     }
 
-    /// True when a step that ends at t must come with the method's own dense output: too few ends lie before it.
+    /// True when a step that ends at t must come with the method's own dense output: one of the two steps before it is much shorter, so that the motion
+    /// there is smooth on no such scale, or there are none.
     pub fn wants_own(&self, t: f64) -> bool {
         let Some(last) = self.times.len().checked_sub(1) else { return true };
-        let apart = APART * (t - self.times[last]);
         let piece = *self.starts.last().unwrap_or(&0);
-        self.before(last, piece, apart).and_then(|first| self.before(first, piece, apart)).is_none()
-    }
-
-    /// The last end at least so far before another one, in the same piece.
-    fn before(&self, place: usize, piece: usize, apart: f64) -> Option<usize> {
-        (piece..place).rev().find(|earlier| self.times[place] - self.times[*earlier] >= apart)
-    }
-
-    /// The first end at least so far after another one, in the same piece.
-    fn after(&self, place: usize, beyond: usize, apart: f64) -> Option<usize> {
-        (place + 1..beyond).find(|later| self.times[*later] - self.times[place] >= apart)
+        let least = APART * (t - self.times[last]);
+        last < piece + 2 || (last - 1..=last).any(|end| self.times[end] - self.times[end - 1] < least)
     }
 
     /// Where it starts, s.
@@ -160,30 +156,52 @@ impl Trajectory {
         })
     }
 
-    /// By the polynomial through the ends of the step with this end, and one on each side or two on one.
+    /// By the polynomial through four ends of steps, the step with this end in the middle of them or, where these are far off, at that side on which they are
+    /// nearer; by that through its own two ends alone where all others are far off and the motion is not smooth on that scale.
     fn interpolate(&self, t: f64, end: usize, y: &mut [f64]) {
         let next_piece = self.starts.partition_point(|start| *start < end);
         let piece = self.starts[next_piece - 1];
         let beyond = self.starts.get(next_piece).copied().unwrap_or(self.times.len());
         let start = end - 1;
         let scale = self.times[end] - self.times[start];
-        let (before, after) = (self.before(start, piece, APART * scale), self.after(end, beyond, APART * scale));
-        let places = match (before, after) {
-            (Some(before), Some(after)) => [before, start, end, after],
-            (Some(before), None) => {
-                let first = self.before(before, piece, APART * scale).unwrap_or(piece);
-                [first, before, start, end]
-            }
-            // `wants_own` sees to it that there are two before.
-            (None, _) => return y.fill(f64::NAN),
-        };
-        for i in 0..self.n {
-            let knots = places.map(|k| {
+        let is_apart = |from: usize, to: usize| self.times[to] - self.times[from] >= APART * scale;
+        let before = |place: usize| (piece..place).next_back().filter(|k| is_apart(*k, place));
+        let after = |place: usize| (place + 1..beyond).next().filter(|k| is_apart(place, *k));
+        let [earlier, later] = [before(start), after(end)];
+        let [earliest, latest] = [earlier.and_then(before), later.and_then(after)];
+        let span = |places: &[usize; 4]| self.times[places[3]] - self.times[places[0]];
+        let is_near = |places: &[usize; 4]| span(places) <= FAR * scale;
+        let around = earlier.zip(later).map(|(first, last)| [first, start, end, last]);
+        let before = earliest.zip(earlier).map(|(first, second)| [first, second, start, end]);
+        let behind = later.zip(latest).map(|(third, last)| [start, end, third, last]);
+        let aside = before.into_iter().chain(behind).min_by(|a, b| span(a).total_cmp(&span(b)));
+        let nearest = around.filter(is_near).or(aside).or(around);
+        let through = |places: &[usize], i: usize| {
+            let knot = |k: &usize| {
                 let numbers = &self.knots[3 * self.n * k..][..3 * self.n];
                 let (value, slope, bend) = (numbers[i], numbers[self.n + i], numbers[2 * self.n + i]);
-                Knot { x: (self.times[k] - t) / scale, value, slope: scale * slope, bend: scale * scale * bend }
-            });
-            let (value, slope) = hermite(&knots);
+                Knot { x: (self.times[*k] - t) / scale, value, slope: scale * slope, bend: scale * scale * bend }
+            };
+            let mut knots = [Knot::default(); 4];
+            knots.iter_mut().zip(places).for_each(|(own, place)| *own = knot(place));
+            hermite(&knots[..places.len()])
+        };
+        let is_far = !nearest.as_ref().is_some_and(is_near);
+        for i in 0..self.n {
+            let wide = nearest.map(|places| through(&places, i));
+            let narrow = if is_far { Some(through(&[start, end], i)) } else { None };
+            let is_smooth = |(wide, narrow): ((f64, f64), (f64, f64))| {
+                let number = |place: usize, order: usize| self.knots[3 * self.n * place + order * self.n + i];
+                let change = |order: usize| (number(end, order) - number(start, order)).abs();
+                let way = change(0).max(scale * (number(start, 1).abs().max(number(end, 1).abs())));
+                let gained = change(1).max(scale * number(start, 2).abs().max(number(end, 2).abs()));
+                (wide.0 - narrow.0).abs() <= SMOOTH * way && (wide.1 - narrow.1).abs() <= SMOOTH * scale * gained
+            };
+            let (value, slope) = match (wide, narrow) {
+                (Some(wide), Some(narrow)) if is_smooth((wide, narrow)) => wide,
+                (_, Some(narrow)) => narrow,
+                (wide, None) => wide.unwrap_or((f64::NAN, f64::NAN)),
+            };
             (y[i], y[self.n + i]) = (value, slope / scale);
         }
     }

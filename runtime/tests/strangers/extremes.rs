@@ -1,5 +1,7 @@
 //! Extremes and samples of a run: `sweep`, `needs`, tables.
 
+use dalembert::mechanism::System;
+
 use crate::{case, folder, printed, text_of};
 
 /// The rows of numbers that a sweep prints.
@@ -144,5 +146,32 @@ fn one_sided_powers_of_products_are_evaluated_on_their_side() {
     ] {
         let run = case(&ball(force)).run();
         assert!((run.last()["y"] + 0.284_189_9).abs() < 1e-6, "{force}: {}", run.last()["y"]);
+    }
+}
+
+/// The speed rises to A s √π in the pulse and never falls: steps before and behind it are longer by far than those in it.
+#[test]
+fn a_pulse_between_long_steps_has_no_extremes_of_its_own() {
+    let text = "
+name: Pulse
+parameters: {m: 1 kg, A: 1 N, t0: 3.7 s, s: 0.1 s}
+coordinates: {x: m}
+inputs: {u: 'A*exp(-((t - t0)/s)^2)'}
+bodies: {b: {mass: m, position: '[x, 0]'}}
+forces: {f: {on: b, force: '[u, 0]'}}
+scene: {start: {x: 0}, until: 10, tolerance: 1e-10}
+";
+    for width in [0.1_f64, 1e-3, 1e-5] {
+        let mut case = case(text);
+        case.system.set_parameter(3, width);
+        let run = case.run();
+        let gained = width * std::f64::consts::PI.sqrt();
+        for (name, end) in [("x'", gained), ("x", 6.3 * gained)] {
+            let (low, high) = run.extremes(name).expect("a range");
+            assert!(
+                low.abs() < 1e-9 * end && (high - end).abs() < 1e-9 * end,
+                "{width} {name}: {low} {high}, not {end}"
+            );
+        }
     }
 }
