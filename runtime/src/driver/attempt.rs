@@ -65,7 +65,8 @@ impl Integration {
                         // Dense output makes other stages in the place of these.
                         self.step_times_rate = self.stepper.stiffness(h, self.stiffness.least());
                         self.look_for_jumps(system, step)?;
-                        if error >= self.control.growing() {
+                        self.held_steps = if error >= self.control.growing() { self.held_steps + 1 } else { 0 };
+                        if self.held_steps > 0 {
                             self.look_for_noise_that_holds(system, step);
                         }
                         let proposal = self.control.accepted(h, error).min(self.stepper.convergent());

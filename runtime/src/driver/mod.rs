@@ -160,6 +160,8 @@ pub(crate) struct Integration {
     /// Errors and length of the last attempt at the present step, if it was rejected.
     rejected: Vec<f64>,
     rejected_step: f64,
+    /// How many good steps in a row let no later one be longer.
+    held_steps: u32,
     /// How many steps were cut because a watched function oscillated within them, since this time, s.
     cuts: u32,
     cut_from: f64,
@@ -217,6 +219,7 @@ impl Integration {
             cascade: EventCascade::default(),
             rejected: Vec::with_capacity(y.len()),
             rejected_step: 0.0,
+            held_steps: 0,
             cuts: 0,
             cut_from: f64::NEG_INFINITY,
             traced: f64::INFINITY,

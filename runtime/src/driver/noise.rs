@@ -8,6 +8,9 @@ use crate::matrix::solve_least;
 use crate::mechanism::dense::{constraint_matrix, mass_matrix};
 use crate::mechanism::{At, Enforcement, System, factor_packed, rows_in_force, substitute_back, substitute_forward};
 
+/// So many good steps in a row that let no later one be longer are held by something: one or two are usual.
+const HELD: u32 = 3;
+
 /// How often in a row an error in units of the tolerance hardly fell although steps became much shorter.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct StagnatingError {
@@ -70,8 +73,9 @@ impl Integration {
         self.look_for_noise_of(system, step, Vec::new(), self.control.growing());
     }
 
-    /// Looks whether the errors of these coordinates are rounding; and, where reactions act, whose rounding moves what they hold, those of all that
-    /// rounding alone may move, if one of them has an error of more than `most` units that no known noise explains.
+    /// Looks whether the errors of these coordinates are rounding; and, where reactions act, whose rounding moves what they hold, or where no step has
+    /// become longer for a while, as of chains that move by high powers of the time, those of all that rounding alone may move, if one of them has an
+    /// error of more than `most` units that no known noise explains.
     fn look_for_noise_of(&mut self, system: &dyn System, step: Step, mut suspects: Vec<usize>, most: f64) {
         let StepPolicy::Adaptive { tolerance, .. } = &self.policy else { return };
         let n = system.len();
@@ -83,7 +87,8 @@ impl Integration {
             errors.iter().zip(units).any(|(error, unit)| *error > most * unit) && !tolerance.explains(i, step.h, errors)
         };
         let may_be_noise = |i: &usize| tolerance.may_be_noise(*i, step.h);
-        if reacts(system) && (0..n).filter(may_be_noise).any(counts) {
+        let looks = reacts(system) || self.held_steps >= HELD;
+        if looks && (0..n).filter(may_be_noise).any(counts) {
             suspects.extend((0..n).filter(may_be_noise));
         }
         if suspects.is_empty() {

@@ -1,5 +1,7 @@
 //! What took too long, or printed too much.
 
+use dalembert::Method;
+
 use super::{case, printed, text_of};
 
 /// The integral of the table by hand: straight between points at 0, 1e-9, 1e-6, 1e-3, 1, 1000 s, and straight on beyond them.
@@ -59,4 +61,36 @@ fn shifts_without_number_are_counted_and_not_listed() {
         text.contains("more directions in which coordinates may be shifted together") && text.len() < 2000,
         "{text}"
     );
+}
+
+/// What a kick of the first mass makes of the k-th grows like t^(2k - 1): far below what rounding of the others makes of it, which no step is short
+/// enough for.
+#[test]
+fn a_kick_runs_down_a_chain_in_usual_steps() {
+    let chain = |first: &str, tolerance: &str, method: Method| {
+        let text = format!(
+            "name: Chain\nparameters: {{l: 0.7, g: 9.81}}\ncoordinates: {{\"a[i in 1..10]\": rad}}\n\
+             points:\n  \"p[0]\": [0, 0]\n  \"p[i in 1..10]\": \"p[i-1] + l*[sin(a[i]), -cos(a[i])]\"\n\
+             bodies: {{\"b[i in 1..10]\": {{mass: 1.1, position: \"p[i]\"}}}}\ngravity: [0, -g]\n\
+             scene: {{start: {{{first}}}, until: 1, tolerance: {tolerance}}}\n"
+        );
+        let mut case = case(&text);
+        case.settings.method = method;
+        case.run()
+    };
+    for first in ["\"a[i in 1..10]\": 0, \"a[1]'\": 1", "\"a[i in 1..10]\": 0.3"] {
+        let known = chain(first, "1e-11", Method::Radau5);
+        for method in [Method::Dop853, Method::Taylor] {
+            for (tolerance, within) in [("1e-6", 1e-4), ("1e-9", 1e-7), ("1e-12", 1e-8)] {
+                let run = chain(first, tolerance, method);
+                assert!(run.work.steps < 500, "{first} {method:?} {tolerance}: {}", run.work.steps);
+                for name in ["a[1]", "a[10]"] {
+                    assert!(
+                        (run.last()[name] - known.last()[name]).abs() < within,
+                        "{first} {method:?} {tolerance} {name}"
+                    );
+                }
+            }
+        }
+    }
 }

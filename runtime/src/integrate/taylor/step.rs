@@ -5,6 +5,7 @@ use super::dense::nest;
 use super::expansion::{Expansion, WIDTH};
 use crate::integrate::ends::{Ends, between_ends};
 use crate::integrate::{Control, Counters, Endpoint, OneStep, Segment, StepFailure, Tolerance, Trial};
+use crate::mechanism::dense::ROUNDING;
 use crate::mechanism::{At, System};
 
 /// A step that is refused costs a few sums, and its length is known from the series: there is little to be careful about.
@@ -18,6 +19,9 @@ const CONTROL: Control = Control {
 };
 /// So many of the last coefficients tell the error: some motions have only every second one, or every fourth.
 const LAST: usize = 4;
+/// Where the tolerance is the rounding that counts for none elsewhere, some roundings, terms are to be below one: what is left out is always of one sign
+/// along a motion that repeats, and its energy would go with the time, that of roundings with its root.
+const FINER: f64 = 100.0 * ROUNDING / f64::EPSILON;
 /// Gauss's nodes and weights on [−1, 1], exact up to degree 19; the others mirror them.
 const GAUSS: [(f64, f64); 5] = [
     (0.148_874_338_981_631_2, 0.295_524_224_714_752_9),
@@ -64,6 +68,7 @@ impl Taylor {
     /// The error in units of the tolerance: as large as the last term, or as one before it that terms which fall as the tolerance has it leave.
     fn error(&mut self, theta: f64, h: f64, tolerance: &Tolerance) -> f64 {
         let falls = tolerance.relative.powf(1.0 / ORDER as f64);
+        let finer = if tolerance.relative <= ROUNDING { FINER } else { 1.0 };
         let mut worst = 0.0_f64;
         for back in (0..LAST).rev() {
             let power = theta.powi((ORDER - back) as i32) * falls.powi(back as i32);
@@ -72,7 +77,7 @@ impl Taylor {
             }
             worst = worst.max(self.ends.in_units(&self.errors, h, tolerance));
         }
-        worst
+        finer * worst
     }
 
     /// What the series misses the rates at its end by, over the step, in units of the tolerance, as an error of its last term makes it: where what comes
@@ -84,6 +89,10 @@ impl Taylor {
             let slope = terms.fold(0.0, |sum, (k, c)| sum * theta + (k + 1) as f64 * c) / self.expansion.unit;
             self.between[n + i] = h * (slope - self.ends.end_rate[n + i]) / ORDER as f64;
             self.between[i] = h * self.between[n + i] / ORDER as f64;
+        }
+        // What is more than the last term tells is an error as well, or the rounding of the rates.
+        for (error, missed) in self.errors.iter_mut().zip(&self.between) {
+            *error = error.max(missed.abs());
         }
         self.ends.in_units(&self.between, h, tolerance)
     }
