@@ -54,7 +54,12 @@ pub(super) fn held_coordinates(system: &dyn System, at: At<'_>) -> Option<Vec<bo
     if rows.is_empty() || system.enforcement() != Enforcement::Multipliers {
         return None;
     }
-    let left = Solutions::of(&constraint_matrix(system, at, &rows), &[]).basis;
+    // Measured by the root of the energy of its rate: an angle is neither long nor short beside a length.
+    let (mut matrix, mut inertias) = (constraint_matrix(system, at, &rows), vec![0.0; system.len()]);
+    system.inertias(at, &mut Vec::new(), &mut inertias);
+    let known = matrix.column_iter_mut().zip(inertias).filter(|(_, inertia)| *inertia > 0.0);
+    known.for_each(|(mut column, inertia)| column /= inertia.sqrt());
+    let left = Solutions::of(&matrix, &[]).basis;
     let held: Vec<bool> = left.row_iter().map(|row| row.amax() <= HELD).collect();
     held.contains(&true).then_some(held)
 }

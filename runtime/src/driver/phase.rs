@@ -5,8 +5,8 @@ use super::constraints::held_coordinates;
 use crate::cause::Cause;
 use crate::constrain::{VelocityJump, closed_within, lasting_rows, possible_restitution, velocity_jump};
 use crate::events::{Impulse, gained};
-use crate::mechanism::dense::impulse_terms;
-use crate::mechanism::{Action, At, Enforcement, System, rows_in_force};
+use crate::mechanism::dense::{impulse_terms, sizes_alike};
+use crate::mechanism::{Action, At, Direction, Enforcement, Event, Rated, System, rows_in_force};
 use crate::run::{Recorder, SpeedJump};
 
 /// Changes of speeds below this part of them are none.
@@ -134,6 +134,7 @@ impl Integration {
             Action::Stop | Action::Record | Action::Set(_) => Ok(Done { acts: false, strikes: false }),
             Action::Phase(phase) => self.alternate(system, (event, phase as usize), recorder),
             Action::Contact(contact) => self.change_contact(system, (event, contact as usize), recorder),
+            Action::Impact { .. } if self.recedes(system, event) => Ok(Done { acts: false, strikes: false }),
             Action::Impact { along, restitution } => {
                 let Struck { restitution: e, impulses } = self.strike(system, along, restitution as usize, recorder)?;
                 let now = self.clock.now();
@@ -155,6 +156,24 @@ impl Integration {
                 }
                 Ok(Done { acts: true, strikes: true })
             }
+        }
+    }
+
+    /// Whether the function of an event goes back already: where it only touches its zero, the instant that was located may be behind that.
+    fn recedes(&self, system: &dyn System, event: usize) -> bool {
+        let &Event { direction, rated, .. } = &system.description().events[event];
+        let n = system.len();
+        let (mut a, mut lambda) = (vec![0.0; n], vec![0.0; system.description().rows.len()]);
+        let at = At::packed(self.clock.now(), self.stepper.start().y, n);
+        if rated != Rated::Whole || system.accelerations_and_multipliers(at, &mut a, &mut lambda).is_err() {
+            return false;
+        }
+        let mut rates = vec![0.0; system.description().events.len()];
+        system.event_rates(at.accelerated(&a).constrained(&lambda), &mut rates);
+        match direction {
+            Direction::Rising => rates[event] < 0.0,
+            Direction::Falling => rates[event] > 0.0,
+            Direction::Both => false,
         }
     }
 
@@ -338,14 +357,17 @@ impl Integration {
         // What the acceleration makes of a speed within the rounding of the instant.
         let instant = INSTANT_ROUNDING * self.clock.now().abs();
         let drifts: Vec<f64> = self.stepper.start().rate[n..].iter().map(|a| instant * a.abs()).collect();
-        let before = self.fastest_before(n);
+        let mut fastest = self.fastest_before(n);
         let speeds = &mut self.stepper.state_mut()[n..];
-        let size = speeds.iter().zip(&jump).fold(before, |most, (v, jump)| most.max(v.abs()).max(jump.abs()));
-        speeds.iter_mut().zip(&jump).for_each(|(v, jump)| *v += jump);
-        self.rest_where_held(system, size);
+        for ((most, v), jump) in fastest.iter_mut().zip(speeds).zip(&jump) {
+            *most = most.max(v.abs()).max(jump.abs());
+            *v += jump;
+        }
+        let sizes = sizes_alike(system.description(), &fastest);
+        self.rest_where_held(system, &sizes);
         // What is left of constraints that were met already is rounding, and no impulse.
-        let is_rounding = |(jump, drift): (&f64, &f64)| jump.abs() <= (ROUNDING * size).max(*drift);
-        if jump.iter().zip(&drifts).all(is_rounding) {
+        let is_rounding = |((jump, drift), size): ((&f64, &f64), &f64)| jump.abs() <= (ROUNDING * size).max(*drift);
+        if jump.iter().zip(&drifts).zip(&sizes).all(is_rounding) {
             return false;
         }
         let constraints: Vec<(String, f64)> =
@@ -358,23 +380,28 @@ impl Integration {
 }
 
 impl Integration {
-    /// The largest speed before what happens now, at this instant and, at steps that are chosen, so far: what comes to rest is beside what it was.
-    fn fastest_before(&self, n: usize) -> f64 {
+    /// The largest speeds before what happens now, at this instant and, at steps that are chosen, so far: what comes to rest is beside what it was.
+    fn fastest_before(&self, n: usize) -> Vec<f64> {
         let seen = self.resumed().into_iter().flat_map(|(_, seen)| seen);
         let struck = self.struck.iter().filter(|(t, _)| *t == self.clock.now()).map(|(_, y)| y.clone());
-        let speeds = seen.chain(struck).flat_map(|values| values.into_iter().skip(n)).filter(|v| v.is_finite());
-        speeds.fold(0.0_f64, |most, v| most.max(v.abs()))
+        let mut fastest = vec![0.0_f64; n];
+        for values in seen.chain(struck) {
+            let speeds = fastest.iter_mut().zip(&values[n..]).filter(|(_, v)| v.is_finite());
+            speeds.for_each(|(most, v)| *most = most.max(v.abs()));
+        }
+        fastest
     }
 
-    /// Lets coordinates rest that the constraints leave nowhere to go, and whose speeds are rounding beside this one: what rounding has left of an impact
-    /// would be all that there is.
-    fn rest_where_held(&mut self, system: &dyn System, size: f64) {
+    /// Lets coordinates rest that the constraints leave nowhere to go, and whose speeds are rounding beside these sizes: what rounding has left of an
+    /// impact would be all that there is.
+    fn rest_where_held(&mut self, system: &dyn System, sizes: &[f64]) {
         let n = system.len();
         let Some(held) = held_coordinates(system, At::packed(self.clock.now(), self.stepper.start().y, n)) else {
             return;
         };
-        let speeds = self.stepper.state_mut()[n..].iter_mut().zip(held);
-        speeds.filter(|(v, held)| *held && v.abs() <= ROUNDING * size).for_each(|(v, _)| *v = 0.0);
+        let speeds = self.stepper.state_mut()[n..].iter_mut().zip(held).zip(sizes);
+        let rests = speeds.filter(|((v, held), size)| *held && v.abs() <= ROUNDING * **size);
+        rests.for_each(|((v, _), _)| *v = 0.0);
     }
 }
 

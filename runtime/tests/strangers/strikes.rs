@@ -158,3 +158,67 @@ fn an_impact_that_leaves_all_at_rest_leaves_nothing_but_rest() {
         assert!((floor - 48.0).abs() < 1e-12, "{floor}");
     }
 }
+
+/// x = -cos t turns where the wall is, or all but there: what is located behind the turn moves back already, and no wall pulls.
+#[test]
+fn a_wall_that_is_only_touched_does_not_pull() {
+    let text = "
+name: Graze
+parameters: {k: 1 N/m, d: 0 m, e: 0.5, w: 1 m}
+coordinates: {x: m}
+bodies: {b: {mass: 1 kg, position: '[x, 0]'}}
+springs: {s: {stretch: x, stiffness: k, along: ground.x, on: b}}
+constraints: {wall: x - w - d}
+phases: {free: [], stuck: [wall]}
+events: {hit: {phase: free, when: x - w - d, direction: rising, then: {impact: e, along: wall}}}
+scene: {start: {x: -1}, until: 20, tolerance: 1e-11}
+";
+    for d in ["0", "1e-15", "-1e-15", "1e-12", "-1e-12", "1e-9"] {
+        for method in [Method::Auto, Method::Radau5, Method::Dopri5, Method::Taylor] {
+            let mut case = case(&text.replace("d: 0 m", &format!("d: {d} m")));
+            case.settings.method = method;
+            let run = case.run();
+            assert!((run.last()["x"] + 20.0_f64.cos()).abs() < 1e-4, "{d} {method:?}: {}", run.last()["x"]);
+            assert!(run.impulses.iter().all(|impulse| impulse.jump[0] <= 0.0), "{d} {method:?}: {:?}", run.impulses);
+        }
+    }
+}
+
+/// A rod that is caught at one end turns with 3 v/(4 a), and a wheel that slips rolls on with 2 v/3, however short their lengths are.
+#[test]
+fn speeds_jump_alike_at_all_lengths() {
+    let rod = "
+name: Rod
+parameters: {m: 1 kg, a: 1 m, v: 1 m/s}
+coordinates: {x: m, y: m, th: rad}
+points: {p: '[x + a*cos(th), y + a*sin(th)]'}
+bodies: {r: {mass: m, inertia: m*a^2/3, angle: th, position: '[x, y]'}}
+constraints: {pin: 'p - [a, 0]'}
+phases: {free: [], pinned: [pin]}
+events: {hit: {phase: free, when: p.y, direction: falling, then: pinned}}
+scene: {start: {x: 0, y: a, y': -v}, until: 2, tolerance: 1e-10}
+";
+    let wheel = "
+name: Wheel
+parameters: {m: 1 kg, R: 1 m, g: 10 m/s^2, mu: 0.2, v: 3 m/s}
+coordinates: {x: m, th: rad}
+bodies: {d: {mass: m, inertia: m*R^2/2, angle: th, position: '[x, R]'}}
+constraints: {roll: x' + R*th'}
+phases: {slip: [], roll: [roll]}
+points: {p: '[x, 0]'}
+forces: {f: {on: d, at: p, force: '[-mu*m*g, 0]', phase: slip}}
+events: {grip: {phase: slip, when: x' + R*th', direction: falling, then: roll}}
+scene: {start: {x': v}, until: 2, tolerance: 1e-10}
+";
+    for length in ["1", "1e-9", "1e-12", "1e-15", "1e12"] {
+        let scaled = rod.replace("1 m,", &format!("{length} m,")).replace("1 m/s", &format!("{length} m/s"));
+        let turned = case(&scaled).run().last()["th'"];
+        assert!((turned - 0.75).abs() < 1e-9, "{length}: {turned}");
+        let size: f64 = length.parse().expect("a number");
+        let scaled = wheel.replace("R: 1 m", &format!("R: {length} m"));
+        let scaled =
+            scaled.replace("g: 10", &format!("g: {}", 10.0 * size)).replace("v: 3", &format!("v: {}", 3.0 * size));
+        let rolls = case(&scaled).run().last()["x'"];
+        assert!((rolls / size - 2.0).abs() < 1e-9, "{length}: {rolls}");
+    }
+}
