@@ -8,7 +8,7 @@ use crate::cause::Cause;
 use crate::matrix::{rank, solve_least, svd};
 use crate::mechanism::dense::{
     ROUNDING, SECOND_ROUNDING, constraint_matrix, constraint_rate_jacobian, constraint_triples, mass_matrix,
-    sizes_alike, widest,
+    rounding_of_parameters, sizes_alike, widest,
 };
 use crate::mechanism::{At, System, rows_in_force};
 
@@ -132,7 +132,10 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
         let (jacobian, triples) = (self.jacobian(y, rows).abs(), self.triples(y));
         let by_place = &jacobian * sizes;
         let nothing = jacobian * self.sizes(y).rows(0, self.n) * SECOND_ROUNDING;
-        let of = |k: usize| (MISSED * triples[rows[k]][2].max(by_place[k])).max(nothing[k]);
+        let of = |k: usize| {
+            let known = (MISSED * triples[rows[k]][2].max(by_place[k])).max(nothing[k]);
+            known.max(rounding_of_parameters(self.system, rows[k]))
+        };
         (0..rows.len()).map(of).collect()
     }
 

@@ -34,7 +34,7 @@ use nalgebra::DMatrix;
 use directions::{along, is_near};
 
 use crate::matrix::solve_least;
-use crate::mechanism::dense::{constraint_matrix, constraint_triples, sizes_alike};
+use crate::mechanism::dense::{constraint_matrix, constraint_triples, rounding_of_parameters, sizes_alike};
 use crate::mechanism::{At, Contact, ContactEvent, ContactMode, System, rows_in_force};
 
 /// A gap below this part of the sum of its terms, or of what the sizes of coordinates make of it, is closed: instants at which contacts
@@ -263,7 +263,13 @@ impl Situation {
         system.constraint_bias(at, &mut bias);
         let rates = Rates { driven: &driven, terms: &terms, bias: &bias };
         let held = |row: u32| is_held(&matrix, (&basis, &active), row as usize, &rates).unwrap_or(false);
-        let within = closed_within(system, at, scales);
+        let mut within = closed_within(system, at, scales);
+        if step == 0.0 {
+            within
+                .iter_mut()
+                .enumerate()
+                .for_each(|(row, within)| *within = within.max(rounding_of_parameters(system, row)));
+        }
         let closed = |row: Option<u32>| row.is_none_or(|row| triples[row as usize][0].abs() <= within[row as usize]);
         Situation {
             modes: system.contacts().modes(system.phase()),
