@@ -45,6 +45,8 @@ pub(crate) struct Recorder {
     gimbals: Option<GimbalGuard>,
     condition: Option<ConditionMonitor>,
     watchman: Option<Watchman>,
+    /// The least and largest [q; q'] at ends of steps of one length, of a run that is watched: others know them anyhow.
+    ranges: Option<[Vec<f64>; 2]>,
     n: usize,
     /// Brings reported states to the constraints.
     projection: Option<Projection>,
@@ -186,6 +188,7 @@ impl Recorder {
                 .step
                 .filter(|_| plan.watch)
                 .and_then(|step| Watchman::new(system, plan.method, step, t, plan.until - t)),
+            ranges: plan.step.filter(|_| plan.watch).map(|_| [y.to_vec(), y.to_vec()]),
             n,
             projection: Projection::new(system).map(|projection| projection.only_looking(!plan.projects)),
             junctions: plan.junctions.then(Box::default),
@@ -221,6 +224,10 @@ impl Recorder {
         end: Endpoint<'_>,
     ) -> Result<(), Box<Cause>> {
         self.judge(system, t, end)?;
+        if let Some([low, high]) = &mut self.ranges {
+            low.iter_mut().zip(end.y).for_each(|(low, y)| *low = low.min(*y));
+            high.iter_mut().zip(end.y).for_each(|(high, y)| *high = high.max(*y));
+        }
         if !self.run.step_ends.is_empty() {
             self.run.step_ends.push(t);
         }
@@ -474,9 +481,10 @@ impl Recorder {
         }
     }
 
-    /// Takes note of how far [q; q'] have gone.
+    /// Takes note of how far [q; q'] have gone, where steps are not of one length.
     pub fn swept(&mut self, swept: Vec<f64>) {
-        self.run.swept = swept;
+        let own = |[low, high]: [Vec<f64>; 2]| low.iter().zip(&high).map(|(low, high)| high - low).collect();
+        self.run.swept = self.ranges.take().map_or(swept, own);
     }
 
     /// Takes note of the step that was found and taken, s.

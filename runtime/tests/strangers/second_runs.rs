@@ -210,3 +210,22 @@ fn forces_that_cancel_leave_the_digits_that_they_have() {
     let hangs = judged("potential_energy: g*x + 3*x^2/2", "-9.81/3");
     assert!(hangs.digits("x").is_some_and(|digits| digits >= 14), "{:?}", hangs.digits("x"));
 }
+
+/// Reports every two seconds meet a vibration of that period where its speed is 0: it goes between them all the same.
+#[test]
+fn what_vanishes_at_all_reports_is_not_lost() {
+    let text = "
+name: Spring
+parameters: {m: 1 kg, k: pi^2 N/m}
+coordinates: {x: m}
+bodies: {b: {mass: m, position: '[x, 0]'}}
+springs: {s: {stretch: x, stiffness: k, along: ground.x, on: b}}
+scene: {start: {x: 1}, until: 1000}
+";
+    let mut case = case(text);
+    case.settings.digits = true;
+    let run = case.run();
+    assert!(run.warnings.is_empty(), "{:?}", run.warnings);
+    assert_eq!(run.digits_until(), Some(1000.0));
+    assert!((run.last()["x"] - 1.0).abs() < 1e-6 && run.digits("x").expect("digits") >= 5);
+}
