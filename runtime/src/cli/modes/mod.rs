@@ -429,10 +429,15 @@ fn notes(linear: &Linearised, modes: &[Mode]) -> Vec<String> {
             };
             let (count, plural) = (groups.len(), if groups.len() == 1 { "" } else { "s" });
             let list: Vec<String> = groups.iter().map(one).collect();
-            let pairs = format!("{count} secular pair{plural}: {}", list.join("; "));
-            let grows =
-                if modes.iter().any(|mode| mode.secular && mode.zeta == Some(0.0)) { ", and grow like t" } else { "" };
-            notes.push(format!("{pairs}; motions have a factor A + B t{grows}"));
+            let most = groups.iter().map(Vec::len).max().unwrap_or(2);
+            let (what, more, power) = match most {
+                2 => ("pair", String::new(), "t".to_owned()),
+                most => ("group", format!(" + … t^{}", most - 1), format!("t^{}", most - 1)),
+            };
+            let grows = modes.iter().any(|mode| mode.secular && mode.zeta == Some(0.0));
+            let grows = if grows { format!(", and grow like {power}") } else { String::new() };
+            let list = list.join("; ");
+            notes.push(format!("{count} secular {what}{plural}: {list}; motions have a factor A + B t{more}{grows}"));
         }
         if analysis.defective {
             notes.push("A is defective: eigenvectors alone do not span all motions".to_owned());

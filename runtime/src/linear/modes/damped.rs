@@ -4,6 +4,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 use super::classical::decoupled;
 use super::dissipation::Dissipation;
+use super::graded::by_circles;
 use super::{Kind, Mode, secular};
 use crate::linear::matrices::{Eigen, Scaled, Singular, cholesky, condition, null_space};
 use crate::linear::{LinearError, Linearised};
@@ -52,7 +53,10 @@ pub fn complex_modes(linear: &Linearised) -> Result<ComplexModes, LinearError> {
     let first_order = units.matrix(rate);
     let solved = match decoupled(linear)? {
         Some(by_mode) => units.first_order(&by_mode, rate),
-        None => Eigen::of(&first_order).ok_or(LinearError::NoConvergence { what: "the eigenvalue iteration" })?,
+        None => match by_circles(&first_order)? {
+            Some(solved) => solved,
+            None => Eigen::of(&first_order).ok_or(LinearError::NoConvergence { what: "the eigenvalue iteration" })?,
+        },
     };
     let eigenvalues = solved.values;
     let norm = eigenvalues.iter().fold(0.0_f64, |most, x| most.max(x.norm()));

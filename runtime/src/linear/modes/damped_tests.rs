@@ -255,3 +255,32 @@ fn l18_bicycle_weaves_and_capsizes() {
     assert_eq!([unstable(4.292382536 - near), unstable(4.292382536 + near)], [1, 0]);
     assert_eq!([unstable(6.024262015 - near), unstable(6.024262015 + near)], [0, 1]);
 }
+
+/// Oscillators and integrators that drive each other one way have the eigenvalues of each, which rounding of all together would split by ε^(1/3).
+#[test]
+fn what_acts_one_way_keeps_the_eigenvalues_of_each() {
+    let row = |own: f64, driven: f64| {
+        DMatrix::from_fn(3, 3, |i, j| match i as isize - j as isize {
+            0 => own,
+            1 => driven,
+            _ => 0.0,
+        })
+    };
+    let one = DMatrix::identity(3, 3);
+    let integrators = modes(one.clone(), DMatrix::zeros(3, 3), row(0.0, -1.0));
+    assert!(integrators.eigenvalues.iter().all(|x| *x == Complex::from(0.0)), "{:?}", integrators.eigenvalues);
+    assert!(integrators.modes.iter().all(|mode| mode.kind == Kind::Rigid) && integrators.defective);
+    let oscillators = modes(one.clone(), DMatrix::zeros(3, 3), row(1.0, -1.0));
+    assert_eq!(oscillators.secular, [vec![0, 1, 2]]);
+    assert!(oscillators.modes.iter().all(|mode| (mode.eigenvalue - Complex::i()).norm() < 1e-14));
+    let critical = modes(one.clone(), 2.0 * &one, row(1.0, -1.0));
+    let is_critical = |mode: &Mode| mode.kind == Kind::Critical && (mode.omega - 1.0).abs() < 1e-12;
+    assert!(critical.defective && critical.modes.iter().all(is_critical));
+    // A spring that acts back makes a circle of two of them; the third is by itself.
+    let mut back = row(1.0, -0.5);
+    back[(0, 1)] = -0.5;
+    let found = modes(one, DMatrix::zeros(3, 3), back);
+    for (mode, omega) in found.modes.iter().zip([0.5_f64.sqrt(), 1.0, 1.5_f64.sqrt()]) {
+        close(mode.omega, omega, 1e-14);
+    }
+}

@@ -56,6 +56,26 @@ pub(crate) fn doubted_modes(a: &DMatrix<f64>, doubt: &DMatrix<f64>) -> Result<(F
     }
 }
 
+/// The eigenvalues of A by those of the sets of variables that act on each other in a circle, where there are several: rounding of one set does not split
+/// what another one has alike, as oscillators of one frequency in a row that each drive the next one.
+///
+/// # Errors
+/// [`LinearError::NoConvergence`].
+pub(super) fn by_circles(a: &DMatrix<f64>) -> Result<Option<Eigen>, LinearError> {
+    if in_circles(a).len() < 2 {
+        return Ok(None);
+    }
+    let Graded { size, zeros, neutral, pairs, .. } = Graded::of(a)?;
+    let mut solved = Eigen { values: vec![Complex::from(0.0); size], vectors: DMatrix::zeros(size, size) };
+    // What is missing of the shapes of zeros repeats one of them.
+    let still = neutral.iter().cycle().take(zeros).map(|shape| shape.map(Complex::from));
+    for (k, shape) in still.chain(pairs.iter().map(|pair| pair.shape.normalize())).enumerate().take(size) {
+        solved.vectors.set_column(k, &shape);
+    }
+    pairs.iter().enumerate().for_each(|(k, pair)| solved.values[zeros + k] = pair.value);
+    Ok(Some(solved))
+}
+
 /// Eigenvalues of a graded matrix with their shapes.
 struct Graded {
     size: usize,
@@ -233,12 +253,13 @@ fn extended(a: &DMatrix<f64>, parts: &[Vec<usize>], pair: &Pair) -> Result<DVect
             continue;
         }
         let own = a.select_rows(part).select_columns(part);
-        // In resonance it goes on growing by itself: all but its own shape vanishes beside that.
-        let nudge = f64::EPSILON * own.norm().max(pair.value.norm());
+        // In resonance it goes on growing by itself: all but its own shape vanishes beside that.  Rounding moves a simple eigenvalue by ε, a double one by √ε.
+        let size = own.norm().max(pair.value.norm());
         let shifted = |by: f64| own.map(Complex::from) - DMatrix::identity(part.len(), part.len()) * (pair.value + by);
         let solve = |by: f64| shifted(by).lu().solve(&driven).filter(|x| x.iter().all(|x| x.is_finite()));
         let failed = LinearError::NoConvergence { what: "the shape of an eigenvalue" };
-        let found = solve(0.0).or_else(|| solve(nudge)).ok_or(failed)?;
+        let nudges = [0.0, f64::EPSILON, f64::EPSILON.sqrt()].map(|part| part * size);
+        let found = nudges.into_iter().find_map(solve).ok_or(failed)?;
         part.iter().zip(found.iter()).for_each(|(i, x)| whole[*i] = *x);
     }
     Ok(whole)
