@@ -210,7 +210,7 @@ fn simulate() -> Command {
         .args(scene())
         .arg(value("method", "METHOD", "auto [default], dop853, rkn8, dopri5, rk4, midpoint, euler; verlet (or rattle), srkn4, suzuki4, kahanli8, gauss2, gauss4, gauss6; radau5, rodas5p; taylor; exact; moreau (steps over contacts)"))
         .arg(value("step", "TIME", "A fixed step"))
-        .arg(value("max-steps", "COUNT", "No more steps than these [default: 10000000]").value_parser(clap::value_parser!(u64)))
+        .arg(max_steps())
         .arg(ignored())
         .arg(flag("symmetries", "Tell which exchanges and reflections of coordinates the start has that leave the equations as they are, and watch that the motion keeps them"))
         .arg(value("slopes", "A,B", "Tell how the end changes with these: parameters, and coordinates or rates (theta') at the start"))
@@ -258,11 +258,15 @@ fn solve() -> Command {
         .arg(value("columns", "t=A,x=B", "Which columns of the record are time and what they are a record of [default: by the same names]").requires("fit"))
         .arg(ignored())
         .arg(value("method", "METHOD", "As of `simulate` [default: auto]"))
-        .arg(value("max-steps", "COUNT", "No more steps than these [default: 10000000]").value_parser(clap::value_parser!(u64)))
+        .arg(max_steps())
         .arg(value("state", "FILE", "A state to start from, as --save writes it; --start goes before"))
         .arg(picture("plot", "Draw what was wanted over time, with the points of a record and what is left of them"))
         .arg(value("save", "FILE", "Write the start that was found (.yaml, .yml, .txt): `simulate --state FILE` starts from it"))
         .arg(flag("json", "Print one JSON object"))
+}
+
+fn max_steps() -> Arg {
+    value("max-steps", "COUNT", "No more steps than these [default: 10000000]").value_parser(clap::value_parser!(u64))
 }
 
 fn orbit() -> Command {
@@ -291,7 +295,7 @@ fn orbit() -> Command {
         .arg(flag("double-double", "Go on in double-double: period, start and energy to some 25 digits; no constraints, discontinuities, events or forces of time").conflicts_with_all(["vary", "map"]))
         .arg(value("segments", "COUNT", "Pieces into which the map is cut [default: 8 a period, more where changes grow fast]").value_parser(clap::value_parser!(u64).range(1..=512)))
         .arg(value("method", "METHOD", "As of `simulate` [default: auto]"))
-        .arg(value("max-steps", "COUNT", "No more steps than these [default: 10000000]").value_parser(clap::value_parser!(u64)))
+        .arg(max_steps())
         .arg(value("state", "FILE", "A state to start from, as --save writes it; --start goes before"))
         .arg(value("save", "FILE", "Write the start that was found (.yaml, .yml, .txt): `simulate --state FILE` starts from it"))
         .arg(picture("plot", "Draw the motion with its multipliers, with --vary amplitudes and periods of the family, with --map where it is unstable"))
@@ -310,7 +314,7 @@ fn sweep() -> Command {
         .arg(value("points", "FILE.csv", "The values of all runs, a column for each of what varies").conflicts_with_all(["vary", "seeds"]))
         .arg(value("method", "METHOD", "As of `simulate` [default: auto]"))
         .arg(value("step", "TIME", "A fixed step"))
-        .arg(value("max-steps", "COUNT", "No more steps than these [default: 10000000]").value_parser(clap::value_parser!(u64)))
+        .arg(max_steps())
         .arg(value("every", "TIME", "Spacing of the states among which extremes are looked for [default: 500 points]"))
         .arg(value("modes", "COUNT", "Frequencies in Hz and damping ratios of so many modes about the equilibrium of each run's parameters, the slowest first"))
         .arg(value("show", "A,B", "What is printed and drawn: a coordinate, rate or output at the end, or `min A`, `max A`, `events E`, `t`, `energy drift`, `warnings`, `frequency 1`, `damping 1` [default: coordinates, outputs and frequencies]"))
@@ -395,6 +399,7 @@ fn needs() -> Command {
         .arg(quiet())
         .args([scene, set, params, start, until])
         .args(wanted("the scene's `needs`, or all coordinates and outputs", "the scene's `needs`, or 1e-3"))
+        .arg(max_steps())
         .arg(flag("all", "Leave out too what saves less than a twentieth of the work"))
         .arg(value("write", "FILE.yaml", "Write the smaller model: the file's text without what goes, and what was found in comments; beside it, as FILE_test.rs, a test that compares both").short('o'))
         .arg(picture("plot", "Draw what each omission changes against the work that is left"))
