@@ -177,3 +177,12 @@ fn what_has_no_series_is_refused_with_the_reason() {
     let error = hand.advance(0.1).unwrap_err();
     assert_eq!(error.cause(), Some(&dalembert::Cause::NoSeries { reason: NoSeries::Inputs }), "{error}");
 }
+
+/// What is left out of steps at a tolerance of rounding goes with the time; roundings go with its root.
+#[test]
+fn the_energy_of_keplers_problem_wanders_as_rounding_does() {
+    let text = "name: Kepler\ncoordinates: {x: 1, y: 1}\nkinetic_energy: (x'^2+y'^2)/2\npotential_energy: -1/sqrt(x^2+y^2)\n\
+                scene: {start: {x: 0.4, y': 2}, until: 2*pi*300, tolerance: 1e-14}\n";
+    let drift = run(text, Method::Taylor, |_| ()).energy_balance.expect("a drift");
+    assert!(drift < 3e-15, "{drift:e}");
+}

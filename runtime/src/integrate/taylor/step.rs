@@ -19,8 +19,8 @@ const CONTROL: Control = Control {
 };
 /// So many of the last coefficients tell the error: some motions have only every second one, or every fourth.
 const LAST: usize = 4;
-/// Where the tolerance is the rounding that counts for none elsewhere, some roundings, terms are to be below one: what is left out is always of one sign
-/// along a motion that repeats, and its energy would go with the time, that of roundings with its root.
+/// At a tolerance of some roundings, which count for none elsewhere, what is left out of a step is to be less than a hundredth of one: it has always the
+/// same sign along a motion that repeats, so that its sum goes with the time, and stays below that of roundings, which goes with the root, for 10⁴ steps.
 const FINER: f64 = 100.0 * ROUNDING / f64::EPSILON;
 /// Gauss's nodes and weights on [−1, 1], exact up to degree 19; the others mirror them.
 const GAUSS: [(f64, f64); 5] = [
