@@ -319,7 +319,7 @@ pub enum NoSeries {
 impl fmt::Display for NoSeries {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            NoSeries::Functions => "its equations contain a table, or its code has no recurrences: `model!(…, methods = \"taylor\")`",
+            NoSeries::Functions => "its equations contain a table, or a `max`, `min` or `abs` under a power, as max(0, x)^1.5, at whose zero no step ends; or its code has no recurrences: `model!(…, methods = \"taylor\")`",
             NoSeries::Inputs => "an input is given by the program, so that only its values are known",
             NoSeries::Friction => "its forces are made of reactions, as friction is",
             NoSeries::Accelerations => {
