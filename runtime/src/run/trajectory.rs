@@ -156,9 +156,29 @@ impl Trajectory {
         })
     }
 
-    /// By the polynomial through four ends of steps, the step with this end in the middle of them or, where these are far off, at that side on which they are
-    /// nearer; by that through its own two ends alone where all others are far off and the motion is not smooth on that scale.
+    /// By the polynomial through four ends of steps, or by that through the two of the step with this end alone, where others are far off and the motion is
+    /// not smooth on that scale.
     fn interpolate(&self, t: f64, end: usize, y: &mut [f64]) {
+        let own = [end - 1, end];
+        let scale = self.times[end] - self.times[end - 1];
+        let four = self.neighbours(end);
+        let is_near = four.is_some_and(|places| self.span(&places) <= FAR * scale);
+        for i in 0..self.n {
+            let through = |places: &[usize]| self.through(places, i, (t, scale));
+            let (value, slope) = match four {
+                Some(places) if is_near => through(&places),
+                Some(places) => {
+                    let (wide, narrow) = (through(&places), through(&own));
+                    if self.is_smooth(own, (i, scale), (wide, narrow)) { wide } else { narrow }
+                }
+                None => through(&own),
+            };
+            (y[i], y[self.n + i]) = (value, slope / scale);
+        }
+    }
+
+    /// Four ends of steps, the step with this end in the middle of them or, where these are far from each other, at the side on which they are nearer.
+    fn neighbours(&self, end: usize) -> Option<[usize; 4]> {
         let next_piece = self.starts.partition_point(|start| *start < end);
         let piece = self.starts[next_piece - 1];
         let beyond = self.starts.get(next_piece).copied().unwrap_or(self.times.len());
@@ -168,41 +188,37 @@ impl Trajectory {
         let before = |place: usize| (piece..place).next_back().filter(|k| is_apart(*k, place));
         let after = |place: usize| (place + 1..beyond).next().filter(|k| is_apart(place, *k));
         let [earlier, later] = [before(start), after(end)];
-        let [earliest, latest] = [earlier.and_then(before), later.and_then(after)];
-        let span = |places: &[usize; 4]| self.times[places[3]] - self.times[places[0]];
-        let is_near = |places: &[usize; 4]| span(places) <= FAR * scale;
         let around = earlier.zip(later).map(|(first, last)| [first, start, end, last]);
-        let before = earliest.zip(earlier).map(|(first, second)| [first, second, start, end]);
-        let behind = later.zip(latest).map(|(third, last)| [start, end, third, last]);
-        let aside = before.into_iter().chain(behind).min_by(|a, b| span(a).total_cmp(&span(b)));
-        let nearest = around.filter(is_near).or(aside).or(around);
-        let through = |places: &[usize], i: usize| {
-            let knot = |k: &usize| {
-                let numbers = &self.knots[3 * self.n * k..][..3 * self.n];
-                let (value, slope, bend) = (numbers[i], numbers[self.n + i], numbers[2 * self.n + i]);
-                Knot { x: (self.times[*k] - t) / scale, value, slope: scale * slope, bend: scale * scale * bend }
-            };
-            let mut knots = [Knot::default(); 4];
-            knots.iter_mut().zip(places).for_each(|(own, place)| *own = knot(place));
-            hermite(&knots[..places.len()])
-        };
-        let is_far = !nearest.as_ref().is_some_and(is_near);
-        for i in 0..self.n {
-            let wide = nearest.map(|places| through(&places, i));
-            let narrow = if is_far { Some(through(&[start, end], i)) } else { None };
-            let is_smooth = |(wide, narrow): ((f64, f64), (f64, f64))| {
-                let number = |place: usize, order: usize| self.knots[3 * self.n * place + order * self.n + i];
-                let change = |order: usize| (number(end, order) - number(start, order)).abs();
-                let way = change(0).max(scale * (number(start, 1).abs().max(number(end, 1).abs())));
-                let gained = change(1).max(scale * number(start, 2).abs().max(number(end, 2).abs()));
-                (wide.0 - narrow.0).abs() <= SMOOTH * way && (wide.1 - narrow.1).abs() <= SMOOTH * scale * gained
-            };
-            let (value, slope) = match (wide, narrow) {
-                (Some(wide), Some(narrow)) if is_smooth((wide, narrow)) => wide,
-                (_, Some(narrow)) => narrow,
-                (wide, None) => wide.unwrap_or((f64::NAN, f64::NAN)),
-            };
-            (y[i], y[self.n + i]) = (value, slope / scale);
+        let earliest = earlier.and_then(before).zip(earlier).map(|(first, second)| [first, second, start, end]);
+        let latest = later.zip(later.and_then(after)).map(|(third, last)| [start, end, third, last]);
+        let aside = earliest.into_iter().chain(latest).min_by(|a, b| self.span(a).total_cmp(&self.span(b)));
+        around.filter(|places| self.span(places) <= FAR * scale).or(aside).or(around)
+    }
+
+    fn span(&self, places: &[usize; 4]) -> f64 {
+        self.times[places[3]] - self.times[places[0]]
+    }
+
+    /// A coordinate and its rate, in a unit of time, by the polynomial through these ends of steps.
+    fn through(&self, places: &[usize], i: usize, (t, unit): (f64, f64)) -> (f64, f64) {
+        let mut knots = [Knot::default(); 4];
+        for (knot, place) in knots.iter_mut().zip(places) {
+            let [value, slope, bend] = [0, 1, 2].map(|order| self.number(*place, order, i));
+            *knot = Knot { x: (self.times[*place] - t) / unit, value, slope: unit * slope, bend: unit * unit * bend };
         }
+        hermite(&knots[..places.len()])
+    }
+
+    /// Whether what is far off tells the same of a coordinate within a step as its own ends do, beside what it changes by.
+    fn is_smooth(&self, own: [usize; 2], (i, h): (usize, f64), (wide, narrow): ((f64, f64), (f64, f64))) -> bool {
+        let most = |order: usize| own.map(|place| self.number(place, order, i).abs()).into_iter().fold(0.0, f64::max);
+        let change = |order: usize| (self.number(own[1], order, i) - self.number(own[0], order, i)).abs();
+        let (way, gained) = (change(0).max(h * most(1)), change(1).max(h * most(2)));
+        (wide.0 - narrow.0).abs() <= SMOOTH * way && (wide.1 - narrow.1).abs() <= SMOOTH * h * gained
+    }
+
+    /// q, q' or q'' of a coordinate at an end of steps.
+    fn number(&self, place: usize, order: usize, i: usize) -> f64 {
+        self.knots[(3 * place + order) * self.n + i]
     }
 }
