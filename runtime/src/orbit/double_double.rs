@@ -9,7 +9,7 @@ use super::laps::{Laps, Solution, Time};
 use super::structure;
 use crate::error::{Error, NoOrbit};
 use crate::mechanism::{ExtendedAt, Interpreted};
-use crate::precision::{DoubleOnly, SCHEMES, Scheme, motion, prepared};
+use crate::precision::{DoubleOnly, SCHEMES, Scheme, extended_motion, smooth_model};
 use crate::run::Names;
 use crate::vary::TOLD;
 
@@ -63,7 +63,7 @@ impl Wanted {
             Time::Driven => return Err(DoubleOnly::Time),
             Time::Event => return Err(DoubleOnly::Events),
         }
-        let model = prepared((&*laps.system, &laps.settings), model)?;
+        let model = smooth_model((&*laps.system, &laps.settings), model)?;
         let rest = self.rests.as_ref().map(|q| {
             let q: Vec<DoubleDouble> = q.iter().map(|q| (*q).into()).collect();
             jacobi(&model, &q, &vec![DoubleDouble::ZERO; q.len()])
@@ -108,7 +108,7 @@ impl Refinement<'_> {
         let mut r = DVector::zeros(self.solution.trial.r.len());
         let times = [DoubleDouble::ZERO, point.lap / (*legs as f64).into()];
         for (k, start) in point.starts.iter().enumerate() {
-            let ends = motion(&self.model, start.clone(), (&times, scales), scheme, &settings.interruption)?;
+            let ends = extended_motion(&self.model, start.clone(), (&times, scales), scheme, &settings.interruption)?;
             let end = &ends[1];
             let (next, closes) = ((k + 1) % count, self.laps.closes(k));
             let image = if closes { image(closing, end) } else { end.clone() };
@@ -131,8 +131,7 @@ impl Refinement<'_> {
             let (_, slopes) = structure::energy(&*self.laps.system, side);
             let size = slopes.iter().zip(scales).map(|(slope, scale)| (slope * scale).powi(2)).sum::<f64>().sqrt();
             let (q, v) = first.split_at(width / 2);
-            let row = r.len() - 1;
-            r[row] = (jacobi(&self.model, q, v) - wanted).to_f64() / size;
+            r[self.laps.energy_row(count)] = (jacobi(&self.model, q, v) - wanted).to_f64() / size;
         }
         Ok(r)
     }

@@ -181,6 +181,12 @@ impl Laps {
         (!scales.iter().zip(&self.scales).all(alike)).then_some(scales)
     }
 
+    /// The row of the energy that is wanted: behind those of so many pieces, and of what is kept at the start.
+    pub fn energy_row(&self, pieces: usize) -> usize {
+        let kept = self.closing.reversals().len() + self.momenta.len() + 2 * self.system.description().rotations.len();
+        pieces * 2 * self.n() + kept
+    }
+
     /// Runs all pieces, and linearises what does not close.
     ///
     /// # Errors
@@ -194,8 +200,7 @@ impl Laps {
         let width = 2 * self.n();
         let closes = pieces.len() * width;
         let reversals = self.closing.reversals();
-        let kept = self.momenta.len() + 2 * self.system.description().rotations.len() + reversals.len();
-        let asked = closes + kept;
+        let asked = self.energy_row(pieces.len());
         let size = asked + usize::from(self.energy.is_some()) + usize::from(self.away.is_some());
         let (mut r, mut j) = (DVector::zeros(size), DMatrix::zeros(size, self.unknowns()));
         for k in 0..pieces.len() {

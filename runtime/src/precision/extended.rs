@@ -43,7 +43,7 @@ impl Reference {
         candidate: &Candidate,
         model: &Interpreted,
     ) -> Result<(Vec<Vec<DoubleDouble>>, Arithmetic), DoubleOnly> {
-        let model = prepared((&*candidate.system, &candidate.settings), model)?;
+        let model = smooth_model((&*candidate.system, &candidate.settings), model)?;
         let interruption = &candidate.settings.interruption;
         let values = self.columns_of(&model, SCHEMES[0], interruption)?;
         let others = self.columns_of(&model, SCHEMES[1], interruption)?;
@@ -66,7 +66,7 @@ impl Reference {
         let n = description.coordinates.len();
         let start = self.start.iter().map(|value| (*value).into()).collect();
         let times: Vec<DoubleDouble> = self.times.iter().map(|t| (*t).into()).collect();
-        let states = motion(model, start, (&times, &self.sizes), scheme, interruption)?;
+        let states = extended_motion(model, start, (&times, &self.sizes), scheme, interruption)?;
         // As runs name them: coordinates, rates, outputs; then time.
         let mut names = Names::of(description).columns();
         names.push("t".to_owned());
@@ -104,7 +104,7 @@ impl Reference {
 }
 
 /// The model with the parameters of a run that was described, if its motion is smooth.
-pub(crate) fn prepared(
+pub(crate) fn smooth_model(
     (system, settings): (&dyn System, &Settings),
     model: &Interpreted,
 ) -> Result<Interpreted, DoubleOnly> {
@@ -136,7 +136,7 @@ pub(crate) fn prepared(
 }
 
 /// [q; q'] at these times from its value at the first one on; `sizes` is what errors of it are measured by.
-pub(crate) fn motion(
+pub(crate) fn extended_motion(
     model: &Interpreted,
     start: Vec<DoubleDouble>,
     (times, sizes): (&[DoubleDouble], &[f64]),

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use dalembert_symbolic::expr::DoubleDouble;
 use dalembert_symbolic::lower::compile;
 
-use super::extended::{SCHEMES, motion};
+use super::extended::{SCHEMES, extended_motion};
 use super::{Arithmetic, Candidate, DoubleOnly, Plan, Reference, WorkPrecision};
 use crate::Settings;
 use crate::mechanism::{Interpreted, Method, System};
@@ -53,7 +53,8 @@ fn distance(model: &Interpreted, start: &[DoubleDouble], file: &str, at: &[&str]
     let times = std::iter::once(0.0).chain(states.iter().map(|state| number(state, "t").to_f64()));
     let times: Vec<DoubleDouble> = times.map(DoubleDouble::from).collect();
     let computed =
-        motion(model, start.to_vec(), (&times, &vec![1.0; start.len()]), SCHEMES[0], &Interruption::default()).unwrap();
+        extended_motion(model, start.to_vec(), (&times, &vec![1.0; start.len()]), SCHEMES[0], &Interruption::default())
+            .unwrap();
     let pairs = states.iter().zip(&computed[1..]);
     let errors =
         pairs.flat_map(|(known, y)| at.iter().zip(y).map(|(name, y)| (*y - number(known, name)).to_f64().abs()));

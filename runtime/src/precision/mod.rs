@@ -35,7 +35,7 @@ pub use arithmetic::{Arithmetic, DoubleOnly};
 pub use candidate::Candidate;
 pub use curve::Curve;
 #[cfg(feature = "interpret")]
-pub(crate) use extended::{SCHEMES, motion, prepared};
+pub(crate) use extended::{SCHEMES, extended_motion, smooth_model};
 #[cfg(feature = "interpret")]
 pub(crate) use extrapolation::Scheme;
 pub use fidelity::{Fidelity, Verified};
