@@ -241,6 +241,14 @@ pub struct Event {
     pub rated: Rated,
 }
 
+impl Event {
+    /// Whether it enters a phase, strikes, or decides anew what contacts do.
+    pub fn changes_motion(&self) -> bool {
+        let changes = |action: &Action| matches!(action, Action::Phase(_) | Action::Impact { .. } | Action::Contact(_));
+        self.actions.iter().any(changes)
+    }
+}
+
 /// What is known of the rate of an event's function.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Rated {

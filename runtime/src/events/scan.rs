@@ -5,7 +5,7 @@ use super::certify::{Certifier, MOST_SAMPLES, Sample, ZeroKind};
 use super::sample::{PART, SHORTEST, SHOWN, Sampler, ends_hold};
 use crate::cause::{Cause, TooFast};
 use crate::integrate::Segment;
-use crate::mechanism::{System, Watched};
+use crate::mechanism::{Direction, System, Watched};
 
 /// A function passes through zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +42,10 @@ pub(crate) struct Scanner {
     pub fresh: Vec<bool>,
     /// Those that will not have at the end of the step.
     lingers: Vec<bool>,
+    /// Those that were at zero for a whole step.
+    rested: Vec<bool>,
+    /// Which are those of events that change phases or speeds, and have a direction: they happen where they leave zero in it.
+    acts: Vec<bool>,
     /// What is zero of them, as far as is known where they were last seen there.
     pub zero: Vec<f64>,
     /// To which side these leave it, where their rates tell; 0 where they do not.
@@ -95,11 +99,17 @@ impl Scanner {
             system.description().arguments.iter().any(|argument| argument.of == of)
         });
         let holds = (0..functions).map(|function| function < sampler.events() && ends_hold(system, function));
+        let acts = (0..functions).map(|function| {
+            let event = system.description().events.get(function).filter(|_| function < sampler.events());
+            event.is_some_and(|event| event.changes_motion() && event.direction != Direction::Both)
+        });
         Scanner {
             sides: vec![0.0; functions],
             end_sides: vec![0.0; functions],
             fresh: vec![true; functions],
             lingers: vec![false; functions],
+            rested: vec![false; functions],
+            acts: acts.collect(),
             zero: vec![0.0; functions],
             leaving: vec![0.0; functions],
             largest: vec![0.0; functions],
@@ -204,6 +214,7 @@ impl Scanner {
         self.largest.iter_mut().zip(&self.size).for_each(|(largest, size)| *largest = largest.max(*size));
         self.sides.copy_from_slice(&self.end_sides);
         self.fresh.copy_from_slice(&self.lingers);
+        self.rested.copy_from_slice(&self.lingers);
         // What has not left zero yet leaves it to the side that is known.
         let leaving = self.leaving.iter_mut().zip(&self.lingers);
         leaving.filter(|(_, lingers)| !**lingers).for_each(|(leaving, _)| *leaving = 0.0);
@@ -221,6 +232,12 @@ impl Scanner {
         if self.holds(event) && self.sides[event] == 0.0 && self.leaving[event] == 0.0 {
             self.leaving[event] = 1.0;
         }
+    }
+
+    /// Looks at a function as at one that is where it is at the start of a motion.
+    pub fn refresh(&mut self, function: usize) {
+        self.fresh[function] = true;
+        self.rested[function] = false;
     }
 
     /// Forgets what was seen at the end of the last step: modes or state have changed.
@@ -349,10 +366,13 @@ impl Scanner {
         let mut side = self.sides[function];
         let first = certifier.points().iter().find(|point| point.value.abs() > floor && point.value.is_finite());
         let begins = first.map_or(1.0, |point| point.x);
-        self.lingers[function] = first.is_none() && floor > 0.0;
+        self.lingers[function] = first.is_none() && self.fresh[function];
         if let Some(first) = first {
             let sign = first.value.signum();
             if side == 0.0 {
+                if self.rested[function] && self.acts[function] {
+                    self.crossings.push(Crossing { function, theta: 0.0, rising: sign > 0.0, jumps: false });
+                }
                 side = sign;
             } else if sign != side {
                 // It lies beyond zero from the start, since what changed it there was no step; or it left zero to the

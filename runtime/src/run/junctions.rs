@@ -1,6 +1,6 @@
 //! Instants at which the equations of motion, or the speeds, change.
 
-use crate::mechanism::{Action, System};
+use crate::mechanism::System;
 
 /// What happens at an instant of a run.
 #[derive(Clone, Debug)]
@@ -58,10 +58,7 @@ impl Junctions {
     /// Takes note of a state before other equations come into force, at which these events just happened.
     pub fn leave(&mut self, system: &dyn System, (t, y): (f64, &[f64]), events: impl Iterator<Item = usize>) {
         let before = Side::new(system, t, y);
-        let acts = |event: &usize| {
-            let actions = &system.description().events[*event].actions;
-            actions.iter().any(|action| matches!(action, Action::Phase(_) | Action::Impact { .. } | Action::Contact(_)))
-        };
+        let acts = |event: &usize| system.description().events[*event].changes_motion();
         let (after, events) = (before.clone(), events.filter(acts).collect());
         self.left = Some(Junction { before, after, events, jumps: Vec::new(), accumulates: false, rebounds: false });
     }

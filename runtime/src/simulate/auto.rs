@@ -4,7 +4,7 @@ use super::Settings;
 use crate::events::EventLocator;
 use crate::integrate::{LENGTHS_OF_EXACT, fastest_rate, longest_step, operations_of_exact};
 use crate::mechanism::sliding::{self, SLIDES, fractions};
-use crate::mechanism::{AccelerationSlopes, Action, At, Description, Enforcement, Method, System, choose_sides};
+use crate::mechanism::{AccelerationSlopes, At, Description, Enforcement, Event, Method, System, choose_sides};
 use crate::trust::{all_rates, rates};
 
 /// A method, and why it was chosen; nothing where the user chose it.
@@ -155,9 +155,7 @@ fn is_on_parabolas(settings: &Settings, description: &Description) -> bool {
 
 /// Whether events and discontinuities that the state meets divide the motion.
 fn is_cut(description: &Description) -> bool {
-    let divides = |action: &Action| matches!(action, Action::Phase(_) | Action::Impact { .. } | Action::Contact(_));
-    description.events.iter().any(|event| event.actions.iter().any(divides))
-        || description.switches.iter().any(|switch| !switch.time_only)
+    description.events.iter().any(Event::changes_motion) || description.switches.iter().any(|switch| !switch.time_only)
 }
 
 /// Whether the exponential of a matrix and its products cost less than the evaluations of an explicit method.
@@ -268,7 +266,7 @@ fn is_stiff(settings: &Settings, system: &dyn System, y: &[f64]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanism::{Direction, Event, Rated};
+    use crate::mechanism::{Action, Direction, Rated};
     use crate::testing::Toy;
 
     fn chosen(toy: &Toy, change: impl Fn(&mut Settings)) -> Method {

@@ -110,3 +110,34 @@ fn a_start_from_lengths_that_cancel_is_on_the_floor() {
         assert!(below.is_err(), "{law}");
     }
 }
+
+/// What rests at the zero of an event that changes the motion, and leaves it in the event's direction later, meets it where it leaves.
+#[test]
+fn what_rests_at_a_guard_meets_it_where_it_leaves() {
+    let pushed = |push: &str| {
+        format!(
+            "name: Pushed\nparameters: {{m: 1 kg, F: 2 N, r: 2 N/s, c: 1 N*s/m, t1: 1 s}}\ncoordinates: {{x: m}}\n\
+             bodies: {{b: {{mass: m, position: '[x, 0]'}}}}\nphases: {{air: [], mud: []}}\n\
+             forces: {{push: {{on: b, force: '[{push}, 0]'}}, drag: {{on: b, force: -c*velocity(b), phase: mud}}}}\n\
+             events: {{enter: {{phase: air, when: x, direction: rising, then: mud}}}}\n\
+             scene: {{start: {{x: 0}}, until: 2, tolerance: 1e-11}}\n"
+        )
+    };
+    // x'' + x' = 2 or 2 (t - 1), from rest at t = 1.
+    let e = f64::exp(-1.0);
+    for (push, x) in [("F*step(t - t1)", 2.0 * e), ("r*max(t - t1, 0)", 1.0 - 2.0 * e)] {
+        let run = case(&pushed(push)).run();
+        assert!((run.last()["x"] - x).abs() < 1e-11, "{push}: {}", run.last()["x"]);
+        assert!(matches!(&run.events[..], [enter] if enter.state.t == 1.0), "{push}");
+        assert!(run.warnings.is_empty(), "{push}: {:?}", run.warnings);
+    }
+    // It rests on the floor of another phase while a magnet holds its weight, and stays there afterwards.
+    let held = "name: Held\nparameters: {m: 1 kg, e: 0.5 1, g: 10 m/s^2, t1: 1 s}\ncoordinates: {y: m}\n\
+                bodies: {b: {mass: m, position: '[0, y]'}}\ngravity: [0, -g]\n\
+                forces: {magnet: {on: b, force: '[0, m*g*step(t1 - t)]'}}\nconstraints: {floor: y}\n\
+                phases: {flight: [], rest: [floor]}\n\
+                events: {bounce: {phase: flight, when: y, direction: falling, then: {impact: e, along: floor}}}\n\
+                scene: {start: {y: 0}, until: 2}\n";
+    let run = case(held).run();
+    assert_eq!((run.last()["y"], run.last()["y'"]), (0.0, 0.0));
+}

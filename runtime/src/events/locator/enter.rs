@@ -5,7 +5,7 @@ use super::super::sample;
 use super::{EventLocator, Fired, ON, OPEN};
 use crate::cause::Cause;
 use crate::constrain::{Moment, never_stopping};
-use crate::mechanism::{Action, Direction, System};
+use crate::mechanism::{Direction, System};
 
 impl EventLocator {
     /// Looks anew at everything after the phase changed or speeds were `hit`: which events count, and on which side
@@ -50,7 +50,7 @@ impl EventLocator {
                 || value.abs() <= near.max(least)
                 || value.abs() <= self.sampler.rounding_at(system, function, (t, y));
             self.scanner.sides[function] = if on { 0.0 } else { value.signum() };
-            self.scanner.fresh[function] = true;
+            self.scanner.refresh(function);
             self.scanner.leaving[function] = 0.0;
             self.scanner.zero[function] = if on { self.surface_of(system, function, (t, y)).max(least) } else { 0.0 };
         }
@@ -77,9 +77,7 @@ impl EventLocator {
     pub fn already_past<S: System + ?Sized>(&mut self, system: &S, (t, y): (f64, &[f64]), entered: bool) -> Vec<Fired> {
         let mut fired = Vec::new();
         for (function, event) in system.description().events.iter().enumerate() {
-            let changes =
-                |action: &Action| matches!(action, Action::Phase(_) | Action::Impact { .. } | Action::Contact(_));
-            if !event.actions.iter().any(changes) || !self.scanner.awake(function) {
+            if !event.changes_motion() || !self.scanner.awake(function) {
                 continue;
             }
             let side = match self.scanner.sides[function] {

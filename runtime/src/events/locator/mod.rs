@@ -432,7 +432,7 @@ impl EventLocator {
         let mut fired = Vec::new();
         for crossing in together {
             self.scanner.sides[crossing.function] = if crossing.rising { 1.0 } else { -1.0 };
-            self.scanner.fresh[crossing.function] = true;
+            self.scanner.refresh(crossing.function);
             if let Some(switch) = self.sampler.switch(crossing.function) {
                 if crossing.jumps {
                     self.beyond[switch] = Some(self.scanner.sides[crossing.function]);

@@ -17,14 +17,16 @@ impl EventLocator {
         let least = sample::least_rates(system, (t, y), step);
         for (event, least) in least.into_iter().enumerate() {
             let mut zero = self.sampler.zero_at_start(system, event, (t, y), step);
-            let zero_beside = beside.map(|y| {
+            let rate_beside = beside.and_then(|y| {
                 let zero = self.sampler.zero_at_start(system, event, (t, y), step);
-                self.sampler.value(event).abs() <= zero
+                self.sampler.at_state(system, t, y);
+                (self.sampler.value(event).abs() <= zero).then(|| self.sampler.rate_of(event))
             });
             self.sampler.at_state(system, t, y);
             let value = self.sampler.value(event);
-            if zero_beside == Some(true) {
-                zero = zero.max(value.abs());
+            if let Some(rate) = rate_beside {
+                // What rests there drifts here.
+                zero = zero.max(value.abs() + (self.sampler.rate_of(event) - rate).abs() * span);
             }
             let zero = zero.max(least);
             // A force that holds was decided to be within its limits: what it is beyond them is rounding.
