@@ -102,7 +102,7 @@ impl Integration {
     }
 
     /// The noise of each acceleration at the start of the step that was tried, and of those that move nothing there the larger at its end, too: reactions
-    /// that begin in it make rounding of their own.  The end of a step that leads anywhere tells nothing.
+    /// that begin in it make rounding of their own.  The end of a step that misses where something moves tells nothing.
     fn noise_of_step(&mut self, system: &dyn System, step: Step) -> Vec<f64> {
         let mut noise = self.noise(system);
         let StepPolicy::Adaptive { tolerance, .. } = &self.policy else { return noise };
@@ -110,12 +110,17 @@ impl Integration {
             return noise;
         }
         let (n, start, at_end) = (system.len(), self.stepper.start(), self.stepper.end().y.to_vec());
-        let moves = |i: &usize| tolerance.moves(*i, step.h, [start.y[n + i], start.rate[n + i]], noise[*i]);
-        let (moving, still): (Vec<usize>, Vec<usize>) = (0..n).partition(moves);
-        let errors = self.stepper.errors();
-        let leads_anywhere = |i: &usize| errors[*i].abs() > StagnatingError::SMALL * (at_end[*i] - start.y[*i]).abs();
+        let still = |i: &usize| !tolerance.moves(*i, step.h, [start.y[n + i], start.rate[n + i]], noise[*i]);
+        let still: Vec<usize> = (0..n).filter(still).collect();
+        let (errors, ends) = (self.stepper.errors(), (start.y, at_end.as_slice()));
+        let is_missed = |i: usize| {
+            let units = tolerance.units(i, step.h, ends, start.rate);
+            let way = (at_end[i] - start.y[i]) / step.h;
+            tolerance.moves(i, step.h, [way, 0.0], noise[i])
+                && [i, n + i].iter().zip(units).any(|(k, unit)| errors[*k].abs() > unit)
+        };
         let mut rate = vec![0.0; 2 * n];
-        if !moving.iter().any(leads_anywhere) && self.stepper.evaluate(system, step.next, &at_end, &mut rate).is_ok() {
+        if !(0..n).any(is_missed) && self.stepper.evaluate(system, step.next, &at_end, &mut rate).is_ok() {
             let later = self.noise_at(system, step.next, &at_end, &rate);
             still.into_iter().for_each(|i| noise[i] = noise[i].max(later[i]));
         }

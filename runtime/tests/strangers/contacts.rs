@@ -1,6 +1,6 @@
 //! Contacts that come to rest together, and hops that are too low to be seen.
 
-use dalembert::Cause;
+use dalembert::{Cause, Method};
 
 use super::{case, printed, text_of};
 
@@ -295,5 +295,34 @@ fn balls_of_newtons_cradle_hang_at_rest_between_two_swings() {
         let last = run.last();
         assert!((last.q[n - 1] - 20.0_f64.to_radians()).abs() < 1e-4, "{last}");
         assert!(last.q[..n - 1].iter().all(|a| a.abs() < 1e-9) && run.work.steps < 100, "{last}");
+    }
+}
+
+/// Two masses lie on their stops, one lifts, and pulls the other: what the first step of all, beyond every stability, made of the reactions at its end
+/// was no noise that errors may have.
+#[test]
+fn what_lifts_later_is_seen_by_the_tolerance() {
+    let masses = "name: Two\nparameters: {m: 1 kg, k: 40 N/m, q: 1 N/s, P: 2 N}\ncoordinates: {a: m, b: m}\n\
+                  bodies: {A: {mass: m, position: '[a, 0]'}, B: {mass: m, position: '[b, 1]'}}\n\
+                  springs: {s: {stretch: b - a, stiffness: k}, g: {stretch: b, stiffness: k}}\n\
+                  forces: {f: {on: A, force: '[q*t - P, 0]'}, h: {on: B, force: '[-P, 0]'}}\n\
+                  contacts: {c: {gap: a, on: A, normal: '[1, 0]'}, d: {gap: b, on: B, normal: '[1, 0]'}}\n\
+                  scene: {start: {a: 0}, until: 40}\n";
+    // From t = 2 on a'' + 40 a = t - 2, and 40 a = 2 N lifts the other one.
+    let lifts = |after: f64| after - f64::sin(f64::sqrt(40.0) * after) / f64::sqrt(40.0) - 2.0;
+    let (mut low, mut high) = (2.0, 2.3);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if lifts(middle) < 0.0 { low = middle } else { high = middle }
+    }
+    for (method, tolerance) in [(Method::Dop853, 1e-6), (Method::Dop853, 1e-10), (Method::Taylor, 1e-9)] {
+        let mut case = case(masses);
+        (case.settings.method, case.settings.tolerance) = (method, tolerance);
+        let run = case.run();
+        let times: Vec<f64> = run.events.iter().map(|event| event.state.t).collect();
+        assert!(
+            times.len() == 2 && (times[1] - 2.0 - low).abs() < 100.0 * tolerance,
+            "{method:?} {tolerance}: {times:?}"
+        );
     }
 }
