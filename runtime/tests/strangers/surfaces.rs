@@ -216,3 +216,48 @@ fn drags_and_limits_by_the_size_of_a_rate_that_is_held_are_as_without_a_surface(
         }
     }
 }
+
+/// A tank that a pump fills up to a level, and drains from t = T on, as long as something is in it.
+fn tank(law: &str, change: f64, until: f64) -> f64 {
+    let text = format!(
+        "name: Tank\nparameters: {{a: 1 m/s, H: 3 m, T: {change} s}}\ninputs: {{u: 1 - 2*step(t - T)}}\n\
+         states: {{h: {{unit: m, rate: 'a*sign({law})'}}}}\nscene: {{start: {{h: 1}}, until: {until}}}\n"
+    );
+    case(&text).run().last()["h"]
+}
+
+/// An input jumps inside the argument of a discontinuity: before the level is reached, in the moment in which it is, and after it.
+#[test]
+fn an_input_that_jumps_inside_a_sign_turns_it() {
+    for law in ["max(u, 0)*(H - h) - max(-u, 0)*h", "step(u)*(H - h) - step(-u)*h"] {
+        for change in [1.5, 2.0, 2.5] {
+            let top = f64::min(1.0 + change, 3.0);
+            for (after, level) in [(0.0, top), (1.0, top - 1.0), (top, 0.0), (top + 1.0, 0.0)] {
+                let found = tank(law, change, change + after);
+                assert!((found - level).abs() < 1e-9, "{law} {change} {after}: {found}, not {level}");
+            }
+        }
+    }
+}
+
+/// A tank runs empty by its own level, and is filled again: what is set ends what rounding held at the surface.
+#[test]
+fn an_empty_tank_that_is_filled_drains_again() {
+    let tank = |fill: &str, start: f64| {
+        case(&format!(
+            "name: Tank\nparameters: {{A: 2 m^2, c: 0.3 m^(5/2)/s, d: 1.5 m, T: 20 s}}\n\
+             states: {{h: {{unit: m, rate: '-c*sqrt(max(h, 0))/A'}}}}\n\
+             events: {{fill: {{{fill}, then: {{set: {{h: h + d}}}}}}}}\nscene: {{start: {{h: {start}}}, until: 25}}\n"
+        ))
+        .run()
+        .last()["h"]
+    };
+    // √h falls by c/(2 A) = 0.075 a second.
+    let expected = (f64::sqrt(1.5) - 0.375).powi(2);
+    for fill in ["every: 20 s, from: 20 s", "when: t - T, direction: rising"] {
+        for start in [2.0, 0.0] {
+            let found = tank(fill, start);
+            assert!((found - expected).abs() < 1e-8, "{fill} {start}: {found}, not {expected}");
+        }
+    }
+}

@@ -44,7 +44,7 @@ pub(crate) fn introduce(graph: &mut Graph, roots: &[Id], signals: usize) -> (Vec
     let of_memory = |root: &Id| graph.symbols([*root]).iter().any(|s| matches!(s, Symbol::Memory(_)));
     let held_inputs = roots[roots.len() - signals..].iter().map(of_memory).collect();
     let mut found = Found { held_inputs, ..Found::default() };
-    let images = rewrite(graph, roots, |graph, node| {
+    let mut put_in = |graph: &mut Graph, node: Node| {
         if let Node::Unary(Unary::Sqrt, base) | Node::Binary(Binary::Pow, base, _) = node {
             return one_sided(graph, node, base, &found.switches);
         }
@@ -87,12 +87,17 @@ pub(crate) fn introduce(graph: &mut Graph, roots: &[Id], signals: usize) -> (Vec
             }
             _ => return None,
         })
-    });
+    };
+    // Arguments contain inputs, which contain the modes of their own functions: no argument contains modes of later switches.
+    let (others, signals) = roots.split_at(roots.len() - signals);
+    let signals = rewrite(graph, signals, &mut put_in);
+    let mut images = rewrite(graph, others, &mut put_in);
     let mut switches = found.switches;
-    let read = read_modes(graph, &images[..images.len() - signals], &switches);
+    let read = read_modes(graph, &images, &switches);
     for (switch, read) in switches.iter_mut().zip(read) {
         switch.of_input |= !read;
     }
+    images.extend(signals);
     (images, switches)
 }
 

@@ -499,13 +499,14 @@ impl EventLocator {
         let (mut timed, mut resume) = (false, t);
         let mut breaks = Vec::new();
         while let Some(stop) = self.stops.pop(t) {
-            timed = true;
+            (timed, self.within_rounding) = (true, false);
             resume = resume.max(stop.after);
             for (switch, side) in stop.switches {
                 self.beyond[switch] = Some(side);
             }
             breaks.extend(stop.breaks);
         }
+        self.leave_what_jumps(system, (t, y));
         let any = timed || self.surface.contains(&true) || self.beyond.iter().any(Option::is_some);
         let mut impulse = None;
         if any {
@@ -540,6 +541,29 @@ impl EventLocator {
             resume = self.stops.pass(resume);
         }
         Ok(Switched { any, resume, impulse })
+    }
+
+    /// Takes off its surface what others that switch at this instant move away from it: a tank that is full in the moment in which its pump turns
+    /// round.
+    fn leave_what_jumps<S: System + ?Sized>(&mut self, system: &mut S, (t, y): (f64, &[f64])) {
+        if !self.surface.contains(&true) || self.beyond.iter().all(Option::is_none) {
+            return;
+        }
+        let before = system.modes().to_vec();
+        let after = before.iter().zip(&self.beyond).enumerate();
+        let after: Vec<f64> =
+            after.map(|(k, (mode, side))| side.map_or(*mode, |side| modes::mode(system, k, side))).collect();
+        system.set_modes(&after);
+        self.sampler.at_state(system, t, y);
+        system.set_modes(&before);
+        for switch in (0..self.surface.len()).filter(|switch| self.surface[*switch]).collect::<Vec<_>>() {
+            let function = self.sampler.function_of(switch);
+            let value = self.sampler.value(function);
+            if value.abs() > ON * self.scanner.largest(function) {
+                self.surface[switch] = false;
+                self.beyond[switch] = Some(value.signum());
+            }
+        }
     }
 
     fn forget_surfaces(&mut self) {

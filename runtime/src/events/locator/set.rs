@@ -46,6 +46,7 @@ impl EventLocator {
         trial: Trial<'_, S>,
     ) -> Result<(), Box<Cause>> {
         self.forget_surfaces();
+        self.within_rounding = false;
         self.choose(system, (t, y), None, trial)?;
         self.forget_surfaces();
         for (event, (before, now)) in before.iter().zip(self.values(system, (t, y))).enumerate() {
