@@ -11,7 +11,7 @@ use super::json::{object, write};
 use super::load::folder;
 use super::{Context, Problem};
 
-/// One line a model: name, degrees of freedom (without constraints as many as coordinates), the first sentence about it.
+/// One line a model: name, coordinates, the first sentence about it.
 pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let width = context.models.iter().map(|entry| entry.name.len()).max().unwrap_or(0);
     let mut all = Vec::new();
@@ -25,8 +25,8 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
             continue;
         }
         let about = model.about.split(". ").next().unwrap_or("").trim_end_matches('.');
-        let freedom = if n == 1 { "degree of freedom, " } else { "degrees of freedom," };
-        writeln!(out, "{:width$}  {n:3} {freedom} {about}", entry.name)?;
+        let coordinates = if n == 1 { "coordinate, " } else { "coordinates," };
+        writeln!(out, "{:width$}  {n:3} {coordinates} {about}", entry.name)?;
     }
     if options.get_flag("json") {
         write(&object([("models", Value::Array(all))]), out)?;

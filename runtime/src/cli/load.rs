@@ -106,6 +106,15 @@ pub(super) fn standard_input() -> Result<String, Problem> {
     Ok(TEXT.get_or_init(|| text).clone())
 }
 
+/// Warnings about a model file, a line each.
+fn told(path: &str, source: &str, warnings: &[diagnose::Problem]) -> Vec<String> {
+    let line = |(extent, problem): (file::Extent, &diagnose::Problem)| {
+        let diagnose::Problem { code, message, .. } = problem;
+        format!("{message} ({code} at {path}:{}:{})", extent.line, extent.column)
+    };
+    file::extents(source, warnings).into_iter().map(line).collect()
+}
+
 /// A model that was found.
 pub struct Loaded {
     /// The name it goes by: its file's.
@@ -173,7 +182,8 @@ impl Loaded {
         let program = derived_for_runs(file)?;
         let ModelFile { name, path, source, sizes, files } = file.clone();
         let system = Box::new(Interpreted::new(program.clone(), &source));
-        let (derived, warnings) = (Some(Arc::new(program)), Vec::new());
+        let warnings = told(&path, &source, &program.model.warnings);
+        let derived = Some(Arc::new(program));
         Ok(Loaded { name, path, source, sizes, system, warnings, derived, files, written: None })
     }
 

@@ -34,11 +34,7 @@ pub fn check_paths<'a>(paths: impl Iterator<Item = (&'a str, &'a str)>, model: &
         if (name, path) == ("csv", "-") {
             continue;
         }
-        if path == "-" {
-            return Err(Problem::usage(format!(
-                "{option}: only tables go to standard output, by --csv -; name a file"
-            )));
-        }
+        is_file(name, path)?;
         let asked = Path::new(path);
         if same_file(asked, Path::new(model)) {
             return Err(Problem::File(format!("{option} {path} would overwrite the model file")));
@@ -65,6 +61,17 @@ pub fn check_paths<'a>(paths: impl Iterator<Item = (&'a str, &'a str)>, model: &
         taken.push((option, asked.to_owned()));
     }
     Ok(())
+}
+
+/// Refuses `-` where a file is to be named.
+///
+/// # Errors
+/// [`Problem::Usage`].
+pub fn is_file(option: &str, path: &str) -> Result<(), Problem> {
+    match path {
+        "-" => Err(Problem::usage(format!("--{option}: only tables go to standard output; name a file"))),
+        _ => Ok(()),
+    }
 }
 
 /// Refuses to write the table over a file that it is made from.

@@ -6,7 +6,7 @@ use std::fs;
 use dalembert_symbolic::model::Sets;
 
 use super::Problem;
-use super::load::Loaded;
+use super::load::{Loaded, standard_input};
 use super::set_up::{Place, Reader, parameter_index, place_in_state, unknown};
 use crate::mechanism::{HIDDEN, Trigger};
 use crate::simulate::Resumed;
@@ -22,7 +22,10 @@ pub fn read(path: &str) -> Result<Vec<(String, String)>, Problem> {
 
 /// The same with the places of the values, `FILE, line 3`.
 fn lines(path: &str) -> Result<Vec<(String, String, String)>, Problem> {
-    let text = fs::read_to_string(path).map_err(|problem| Problem::File(format!("cannot read {path}: {problem}")))?;
+    let text = match path {
+        "-" => standard_input()?,
+        _ => fs::read_to_string(path).map_err(|problem| Problem::File(format!("cannot read {path}: {problem}")))?,
+    };
     let mut entries: Vec<(String, String, String)> = Vec::new();
     for (index, line) in text.lines().enumerate() {
         let line = line.split(" #").next().unwrap_or("").trim();

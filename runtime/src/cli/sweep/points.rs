@@ -1,14 +1,12 @@
 //! What varies from run to run.
 
-use std::path::Path;
-
 use clap::ArgMatches;
 use dalembert_symbolic::model::Sets;
 use dalembert_symbolic::print::fnv1a;
 
 use crate::Settings;
 use crate::cli::Problem;
-use crate::cli::load::{Loaded, pairs};
+use crate::cli::load::{Loaded, pairs, standard_input};
 use crate::cli::set_up::{Place, Reader, parameter_index, place_in_state, start_at, unknown, with_unit_of};
 use crate::mechanism::System;
 
@@ -99,8 +97,11 @@ impl Points {
     fn list(loaded: &Loaded, path: &str) -> Result<Points, Problem> {
         let unread =
             |problem: &dyn std::fmt::Display| Problem::File(format!("--points: cannot read {path}: {problem}"));
-        let mut table =
-            csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(Path::new(path)).map_err(|e| unread(&e))?;
+        let text = match path {
+            "-" => standard_input()?,
+            _ => std::fs::read_to_string(path).map_err(|e| unread(&e))?,
+        };
+        let mut table = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
         let names = table.headers().map_err(|e| unread(&e))?.clone();
         let varied =
             names.iter().map(|name| Ok(Varied::named(loaded, name)?.0)).collect::<Result<Vec<_>, Problem>>()?;
