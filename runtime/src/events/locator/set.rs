@@ -54,7 +54,7 @@ impl EventLocator {
                 let zero = self.sampler.rounding_at(system, event, (t, y));
                 let on = now.is_nan() || now.abs() <= zero || self.scanner.holds(event) && now < 0.0;
                 self.scanner.sides[event] = if on { 0.0 } else { now.signum() };
-                self.scanner.fresh[event] = true;
+                self.scanner.refresh(event);
                 self.scanner.leaving[event] = 0.0;
                 self.scanner.zero[event] = if on { self.surface_of(system, event, (t, y)) } else { 0.0 };
                 self.scanner.hold(event);
