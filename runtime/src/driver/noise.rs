@@ -112,12 +112,9 @@ impl Integration {
         let (n, start, at_end) = (system.len(), self.stepper.start(), self.stepper.end().y.to_vec());
         let still = |i: &usize| !tolerance.moves(*i, step.h, [start.y[n + i], start.rate[n + i]], noise[*i]);
         let still: Vec<usize> = (0..n).filter(still).collect();
-        let (errors, ends) = (self.stepper.errors(), (start.y, at_end.as_slice()));
         let is_missed = |i: usize| {
-            let units = tolerance.units(i, step.h, ends, start.rate);
-            let way = (at_end[i] - start.y[i]) / step.h;
-            tolerance.moves(i, step.h, [way, 0.0], noise[i])
-                && [i, n + i].iter().zip(units).any(|(k, unit)| errors[*k].abs() > unit)
+            let speed = (at_end[i] - start.y[i]) / step.h;
+            tolerance.moves(i, step.h, [speed, 0.0], noise[i]) && is_off(tolerance, self.stepper.as_ref(), (i, step.h))
         };
         let mut rate = vec![0.0; 2 * n];
         if !(0..n).any(is_missed) && self.stepper.evaluate(system, step.next, &at_end, &mut rate).is_ok() {
@@ -176,16 +173,21 @@ pub(super) fn note_start_up_errors(
     stepper: &dyn OneStep,
     (error, h): (f64, f64),
 ) {
-    let (start, end, errors) = (stepper.start(), stepper.end(), stepper.errors());
+    let (start, errors) = (stepper.start(), stepper.errors());
     let n = errors.len() / 2;
     let is_missed = |i: usize| {
-        let units = tolerance.units(i, h, (start.y, end.y), start.rate);
-        tolerance.moves(i, h, [start.y[n + i], start.rate[n + i]], 0.0)
-            && [i, n + i].iter().zip(units).any(|(k, unit)| errors[*k].abs() > unit)
+        tolerance.moves(i, h, [start.y[n + i], start.rate[n + i]], 0.0) && is_off(tolerance, stepper, (i, h))
     };
     if stagnating.remains(error, h, tolerance.relative) && !(0..n).any(is_missed) {
         tolerance.note_start_up_errors(errors);
     }
+}
+
+/// Whether an error of coordinate i, over the step of h that was tried, is larger than the tolerance.
+fn is_off(tolerance: &Tolerance, stepper: &dyn OneStep, (i, h): (usize, f64)) -> bool {
+    let (start, end, errors) = (stepper.start(), stepper.end(), stepper.errors());
+    let units = tolerance.units(i, h, (start.y, end.y), start.rate);
+    [i, errors.len() / 2 + i].iter().zip(units).any(|(k, unit)| errors[*k].abs() > unit)
 }
 
 /// |M⁻¹ u m| for magnitudes of equal and of alternating signs, the larger of both; `None` where M has no inverse.
