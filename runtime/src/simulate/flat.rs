@@ -56,7 +56,8 @@ fn flat(system: &dyn System, run: &Run, event: usize, (t, ends): (f64, bool)) ->
         width *= 2.0;
     }
     // What was at its zero from the start on happens where it leaves it, which other forces make.
-    if run.times.first().is_some_and(|start| t - 2.0 * width < *start) { 0.0 } else { width }
+    let rests = |start: &f64| t - 2.0 * width <= *start && silent(*start);
+    if run.times.first().is_some_and(rests) { 0.0 } else { width }
 }
 
 /// The state of the run at a time, beyond its end by a parabola; `None` before its start, and further beyond than it took.
