@@ -112,7 +112,48 @@ fn standard_input_and_output_are_called_by_a_hyphen() {
     let (_, refused, status) = told(&done(&folder, &["simulate", "good.yaml", "--plot", "-"]));
     assert!(refused.contains("--plot: only tables go to standard output"), "{refused}");
     assert_eq!(status, Some(2));
+    for (option, path) in [("bode", "-"), ("plot", "-"), ("matrices", "-")] {
+        let (_, refused, status) = told(&done(&folder, &["modes", "good.yaml", &format!("--{option}"), path]));
+        assert!(refused.contains(&format!("--{option}: only tables go")) && status == Some(2), "{refused}");
+    }
     assert_eq!(files(&folder), ["bad.yaml", "c.svg", "good.yaml"]);
+}
+
+#[test]
+fn values_are_read_from_standard_input() {
+    let folder = folder("values");
+    let (printed, ..) = told(&fed(&folder, "g: 2 m/s^2\n", &["simulate", "good.yaml", "--params", "-"]));
+    assert!(printed.contains("x = -1.0000"), "{printed}");
+    let (printed, ..) = told(&fed(&folder, "x: 7 m\n", &["simulate", "good.yaml", "--state", "-"]));
+    assert!(printed.contains("x = 2.0000"), "{printed}");
+    let sweep = ["sweep", "good.yaml", "--points", "-", "-o", "-"];
+    let (table, ..) = told(&fed(&folder, "g\n2\n4\n", &sweep));
+    assert_eq!(table.lines().count(), 3, "{table}");
+}
+
+/// What looks like degrees is said wherever the file runs, and is no error.
+#[test]
+fn warnings_about_a_file_are_told_by_all_that_run_it() {
+    let folder = folder("warnings");
+    let pendulum = "name: Bob\nparameters: {m: 1 kg, l: 1 m, g: 10 m/s^2}\ncoordinates: {phi: rad}\n\
+                    bodies: {bob: {mass: m, position: 'l*[sin(phi), -cos(phi)]'}}\ngravity: [0, -g]\n\
+                    scene: {start: {phi: 30}, until: 1, needs: {within: 1e-3}}\n";
+    fs::write(folder.join("degrees.yaml"), pendulum).expect("a file");
+    for arguments in [
+        &["simulate", "degrees.yaml"][..],
+        &["simulate", "degrees.yaml", "--slopes", "l"],
+        &["sweep", "degrees.yaml", "--vary", "m=1,2", "-o", "-"],
+        &["modes", "degrees.yaml"],
+        &["needs", "degrees.yaml"],
+        &["export", "degrees.yaml", "--c", "code"],
+        &["generate", "degrees.yaml", "-o", "code.rs"],
+    ] {
+        let (_, report, status) = told(&done(&folder, arguments));
+        assert!(report.contains("looks like degrees") && report.contains("W250"), "{arguments:?}: {report}");
+        assert_eq!(status, Some(0), "{arguments:?}");
+    }
+    let (object, ..) = told(&done(&folder, &["simulate", "degrees.yaml", "--json"]));
+    assert!(object.contains("W250 at degrees.yaml:6:"), "{object}");
 }
 
 #[test]

@@ -221,7 +221,7 @@ fn simulate() -> Command {
         .arg(value("drift", "WAY", "What keeps constraints: project, none or baumgarte [default: project]"))
         .arg(value("alpha", "RATE", "Baumgarte's gain, 1/s [default: by the step]"))
         .arg(value("by", "SYSTEM", "Accelerations from a system of `balances` of the file; `all` compares them"))
-        .arg(value("state", "FILE", "A state to start from, as --save writes it; --start goes before"))
+        .arg(value("state", "FILE", "A state to start from, as --save writes it, or - for standard input; --start goes before"))
         .arg(value("save", "FILE", "Write the final state, to start from it (.yaml, .yml, .txt)"))
         .arg(value("every", "TIME", "Spacing of reported states [default: 500 points]"))
         .arg(value("csv", "FILE", "Write reported states and outputs as a table; - for standard output, where the report goes to standard error").short('o'))
@@ -259,7 +259,7 @@ fn solve() -> Command {
         .arg(ignored())
         .arg(value("method", "METHOD", "As of `simulate` [default: auto]"))
         .arg(max_steps())
-        .arg(value("state", "FILE", "A state to start from, as --save writes it; --start goes before"))
+        .arg(value("state", "FILE", "A state to start from, as --save writes it, or - for standard input; --start goes before"))
         .arg(picture("plot", "Draw what was wanted over time, with the points of a record and what is left of them"))
         .arg(value("save", "FILE", "Write the start that was found (.yaml, .yml, .txt): `simulate --state FILE` starts from it"))
         .arg(flag("json", "Print one JSON object"))
@@ -296,7 +296,7 @@ fn orbit() -> Command {
         .arg(value("segments", "COUNT", "Pieces into which the map is cut [default: 8 a period, more where changes grow fast]").value_parser(clap::value_parser!(u64).range(1..=512)))
         .arg(value("method", "METHOD", "As of `simulate` [default: auto]"))
         .arg(max_steps())
-        .arg(value("state", "FILE", "A state to start from, as --save writes it; --start goes before"))
+        .arg(value("state", "FILE", "A state to start from, as --save writes it, or - for standard input; --start goes before"))
         .arg(value("save", "FILE", "Write the start that was found (.yaml, .yml, .txt): `simulate --state FILE` starts from it"))
         .arg(picture("plot", "Draw the motion with its multipliers, with --vary amplitudes and periods of the family, with --map where it is unstable"))
         .arg(flag("json", "Print one JSON object"))
@@ -311,7 +311,7 @@ fn sweep() -> Command {
         .args(scene())
         .arg(many("vary", "NAME=A..B:COUNT", "What varies: a parameter, or a coordinate or speed at the start; evenly, evenly in the logarithm (A..B:COUNT:log), or by a list (A,B,C); several make a grid"))
         .arg(value("seeds", "A..B", "Seeds of noise, whole numbers, or a list (A,B,C): all noise of a run has the same; with --vary every combination is run"))
-        .arg(value("points", "FILE.csv", "The values of all runs, a column for each of what varies").conflicts_with_all(["vary", "seeds"]))
+        .arg(value("points", "FILE.csv", "The values of all runs, a column for each of what varies, or - for standard input").conflicts_with_all(["vary", "seeds"]))
         .arg(value("method", "METHOD", "As of `simulate` [default: auto]"))
         .arg(value("step", "TIME", "A fixed step"))
         .arg(max_steps())
@@ -446,7 +446,11 @@ fn scene() -> [Arg; 7] {
     [
         value("scene", "NAME", "Another scene than the first"),
         many("set", "PARAMETER=VALUE", "Another value of a parameter"),
-        value("params", "FILE", "Values of parameters, a line each: `m: 2 kg`; --set goes before"),
+        value(
+            "params",
+            "FILE",
+            "Values of parameters, a line each: `m: 2 kg`, or - for standard input; --set goes before",
+        ),
         many("start", "NAME=VALUE", "Another start of a coordinate, or of a speed (theta'=1)"),
         many("input", "NAME=EXPR", "Another function of time for an input"),
         value(

@@ -32,9 +32,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     let interruption = Interruption::from(context.interruption());
     let reduced = if by_steps { None } else { reduced(&mut loaded, options, &interruption)? };
     let settings = Settings { interruption: interruption.clone(), ..set_up(&mut loaded, options)? };
-    for warning in &loaded.warnings {
-        eprintln!("warning: {warning}");
-    }
+    loaded.tell_warnings();
     let mut columns = columns(options);
     if by_steps {
         let max_steps = options.get_one("max-steps").copied().unwrap_or(Convergence::MOST_STEPS);

@@ -187,6 +187,13 @@ impl Loaded {
         Ok(Loaded { name, path, source, sizes, system, warnings, derived, files, written: None })
     }
 
+    /// Says on standard error what the user should know.
+    pub fn tell_warnings(&self) {
+        for warning in &self.warnings {
+            eprintln!("warning: {warning}");
+        }
+    }
+
     /// Keeps what would else be read from files again.
     ///
     /// # Errors

@@ -29,6 +29,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     let files = files.into_iter().filter_map(|(option, path)| Some((option, path?.as_str())));
     outputs::check_paths(files, &loaded.path)?;
     let request = request(&mut loaded, options)?;
+    loaded.tell_warnings();
     let said = options.get_flag("json");
     let found = match find(&request, &context.interruption().into()) {
         Ok(found) => found,

@@ -34,7 +34,7 @@ pub fn check_paths<'a>(paths: impl Iterator<Item = (&'a str, &'a str)>, model: &
         if (name, path) == ("csv", "-") {
             continue;
         }
-        is_file(name, path)?;
+        refuse_hyphen(name, path)?;
         let asked = Path::new(path);
         if same_file(asked, Path::new(model)) {
             return Err(Problem::File(format!("{option} {path} would overwrite the model file")));
@@ -67,7 +67,7 @@ pub fn check_paths<'a>(paths: impl Iterator<Item = (&'a str, &'a str)>, model: &
 ///
 /// # Errors
 /// [`Problem::Usage`].
-pub fn is_file(option: &str, path: &str) -> Result<(), Problem> {
+pub fn refuse_hyphen(option: &str, path: &str) -> Result<(), Problem> {
     match path {
         "-" => Err(Problem::usage(format!("--{option}: only tables go to standard output; name a file"))),
         _ => Ok(()),

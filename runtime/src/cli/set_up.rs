@@ -337,9 +337,7 @@ pub fn for_search(context: Context<'_>, options: &ArgMatches, files: &[&str]) ->
     if settings.method == Method::Moreau {
         return Err(Problem::usage(NoSlopes::StepsOver));
     }
-    for warning in &loaded.warnings {
-        eprintln!("warning: {warning}");
-    }
+    loaded.tell_warnings();
     let origin = origin(&loaded, options)?;
     let system = loaded.system.boxed_clone();
     Ok((loaded, (system, settings, origin)))

@@ -31,9 +31,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     drawn::check(&loaded, options)?;
     let settings = set_up(&mut loaded, options).and_then(|settings| by_options(settings, options))?;
     let shown = Shown::read(&loaded, options)?;
-    for warning in &loaded.warnings {
-        eprintln!("warning: {warning}");
-    }
+    loaded.tell_warnings();
     match options.get_one::<String>("by").map(String::as_str) {
         Some("all") => return compare::run(&mut loaded, &settings, options, out),
         Some(name) => choose_derivation(&mut loaded, name)?,

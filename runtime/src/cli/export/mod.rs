@@ -32,6 +32,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
         )));
     }
     let mut loaded = Loaded::find(context, options)?;
+    loaded.tell_warnings();
     let mut program = loaded.program()?;
     initial_phases::decide(&mut program, &loaded);
     let code = print::c(&program, &loaded.name);

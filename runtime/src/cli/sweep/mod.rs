@@ -197,9 +197,7 @@ fn compute(
     let (shard, shards) = shard(options)?;
     let experiment = Experiment::of(loaded, &mut reader, options, scene, &points)?;
     loaded.warnings.append(&mut reader.notes);
-    for warning in &loaded.warnings {
-        eprintln!("warning: {warning}");
-    }
+    loaded.tell_warnings();
     let description = loaded.system.description();
     let varied = points.varied.iter().map(Varied::column);
     let names = std::iter::once("run".to_owned()).chain(varied).chain(results(columns, description, modes));
