@@ -55,7 +55,7 @@ pub fn command() -> Command {
                 .arg(quiet())
                 .arg(flag("routh", "The equations without the coordinates and directions that can be ignored, by Routh's procedure, and what they cost").conflicts_with("json"))
                 .arg(flag("symmetries", "Exchanges and reflections of coordinates that leave the equations as they are, and which of them each scene's start has").conflicts_with("json"))
-                .arg(flag("json", "Print one JSON object; of a file with mistakes these, with their places")),
+                .arg(flag("json", "Print one JSON object; of a file with mistakes these, with their places; of several files a list `files` of such objects")),
         )
         .subcommand(generate())
         .subcommand(simulate())

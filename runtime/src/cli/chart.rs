@@ -43,8 +43,8 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
         let found = said(&interruption, |progress| {
             Convergence::measure_extended(&candidates, &plan, model.as_ref().map_err(|why| *why), progress)
         })?;
-        steps::report(&found, &files, options.get_flag("json"), (table, out))?;
-        return unless_broken_off(&interruption);
+        let outcome = unless_broken_off(&interruption);
+        return steps::report(&found, &files, (options.get_flag("json"), outcome), (table, out));
     }
     let twin = options
         .get_one::<String>("twin")

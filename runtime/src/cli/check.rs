@@ -12,7 +12,7 @@ use dalembert_symbolic::model::{Contact, EventAction, HIDDEN, MOST_COMBINATIONS,
 use dalembert_symbolic::number::DoubleDouble;
 use serde_json::Value;
 
-use super::json::{number, object, write};
+use super::json::{number, object, write_outcome};
 use super::load::{Loaded, ModelFile, sizes};
 use super::{Context, Problem, freedoms, outputs, routh, symmetries};
 use crate::mechanism::{At, Balances, Interpreted, System};
@@ -21,12 +21,36 @@ use crate::numbers::counted;
 /// Derives the model anew and prints the report.
 pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let names: Vec<&String> = options.get_many::<String>("model").into_iter().flatten().collect();
+    let as_data = options.get_flag("json");
+    if let ([name], true) = (names.as_slice(), as_data) {
+        let (report, outcome) = as_json(context, name, options)?;
+        return write_outcome(report, outcome, out);
+    }
+    let mut files = Vec::new();
+    let outcome = each(&names, |place, name| match as_data {
+        true => {
+            let (mut report, outcome) =
+                as_json(context, name, options).unwrap_or_else(|e| (object([("name", name.into())]), Err(e)));
+            if let Err(problem) = &outcome {
+                report["error"] = problem.as_json();
+            }
+            files.push(report);
+            outcome
+        }
+        false if place > 0 => Ok(writeln!(out)?).and_then(|()| one(context, name, options, out)),
+        false => one(context, name, options, out),
+    });
+    match as_data {
+        true => write_outcome(object([("files", files.into())]), outcome, out),
+        false => outcome,
+    }
+}
+
+/// Looks at every file.
+fn each(names: &[&String], mut look: impl FnMut(usize, &str) -> Result<(), Problem>) -> Result<(), Problem> {
     let (mut failed, mut wrong) = (None, 0);
     for (place, name) in names.iter().enumerate() {
-        if place > 0 && !options.get_flag("json") {
-            writeln!(out)?;
-        }
-        match one(context, name, options, out) {
+        match look(place, name) {
             // Of several files all are looked at; what is wrong with the last is said by who called.
             Err(problem) if !matches!(problem, Problem::Closed) => {
                 wrong += 1;
@@ -46,9 +70,6 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
 
 /// One file.
 fn one(context: Context<'_>, name: &str, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
-    if options.get_flag("json") {
-        return as_json(context, name, options, out);
-    }
     let text = ModelFile::named(context, name, sizes(options)?)?;
     let program = text.for_runs(context).map_err(|problems| text.problem(&problems))?;
     writeln!(out, "{}: {}", text.name, size_in_words(&program.model))?;
@@ -155,17 +176,15 @@ fn conserved(report: &Report) -> impl Iterator<Item = (&(String, f64), &Vec<Stri
     report.conserved.iter().zip(&report.changed_by)
 }
 
-/// The report as one object; of a file with mistakes these, each with its place, before the command fails.
-fn as_json(context: Context<'_>, name: &str, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+/// The report as one object; of a file with mistakes these, each with its place, and that it has some.
+fn as_json(context: Context<'_>, name: &str, options: &ArgMatches) -> Result<(Value, Result<(), Problem>), Problem> {
     let text = ModelFile::named(context, name, sizes(options)?)?;
     let program = match text.for_runs(context) {
         Ok(program) => program,
         Err(problems) => {
             let wrong = text.problem(&problems);
             let problems = mistakes(&text.source, &problems);
-            let name = text.name.into();
-            write(&object([("name", name), ("problems", problems), ("error", wrong.as_json())]), out)?;
-            return Err(wrong);
+            return Ok((object([("name", text.name.into()), ("problems", problems)]), Err(wrong)));
         }
     };
     let (model, report) = (&program.model, &program.report);
@@ -204,8 +223,7 @@ fn as_json(context: Context<'_>, name: &str, options: &ArgMatches, out: &mut dyn
         ("recognised", words(&recognised(&program))),
         ("operations", object(operations(&program).into_iter().map(|(what, count)| (what, count.into())))),
     ]);
-    write(&object, out)?;
-    Ok(())
+    Ok((object, Ok(())))
 }
 
 /// Errors and warnings, with lines and columns in characters from 1.

@@ -6,9 +6,9 @@ use clap::ArgMatches;
 use serde_json::{Value as Json, json};
 
 use super::Problem;
-use super::json::{number, object};
+use super::json::{number, object, write_outcome};
 use super::load::Loaded;
-use super::orbit::{json_multipliers, multipliers};
+use super::orbit::{json_multipliers, multipliers, unless_broken_off};
 use crate::numbers::{counted, short};
 use crate::orbit::{Family, Member, OrbitChange, Peak, Threshold};
 use crate::run::written;
@@ -16,8 +16,7 @@ use crate::run::written;
 /// Prints a family.
 pub fn report(loaded: &Loaded, family: &Family, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     if options.get_flag("json") {
-        super::json::write(&as_json(loaded, family), out)?;
-        return Ok(());
+        return write_outcome(as_json(loaded, family), unless_broken_off(family.interrupted), out);
     }
     let (count, map) = (counted(family.members.len(), "motion"), family.map_in_words());
     writeln!(out, "{}: {count} by `{}`; multipliers of {map}", loaded.name, family.name)?;

@@ -5,6 +5,8 @@ use std::io;
 use serde_json::ser::{Formatter, Serializer};
 use serde_json::{Map, Value};
 
+use super::Problem;
+
 /// The number of the format: it changes when keys change their meaning or go.
 const FORMAT: u32 = 1;
 
@@ -22,6 +24,18 @@ pub fn write(value: &Value, out: &mut dyn io::Write) -> io::Result<()> {
     }
     out.write_all(&bytes)?;
     writeln!(out)
+}
+
+/// The same of a command that may have failed, which the object then says beside what there is.
+///
+/// # Errors
+/// The command's own.
+pub fn write_outcome(mut value: Value, outcome: Result<(), Problem>, out: &mut dyn io::Write) -> Result<(), Problem> {
+    if let Err(problem) = &outcome {
+        value["error"] = problem.as_json();
+    }
+    write(&value, out)?;
+    outcome
 }
 
 struct Digits;

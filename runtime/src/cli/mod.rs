@@ -112,13 +112,20 @@ fn command(
     arguments: impl IntoIterator<Item = impl Into<std::ffi::OsString> + Clone>,
     out: &mut dyn std::io::Write,
 ) -> Result<(), Problem> {
+/// Whether these arguments ask for JSON, whatever else is wrong with them.
+fn is_json(arguments: &[std::ffi::OsString]) -> bool {
+    arguments.iter().take_while(|argument| *argument != "--").any(|argument| argument == "--json")
+}
+
     let matches = match arguments::parsed(arguments) {
         Ok(matches) => matches,
         Err(error) if !error.use_stderr() => {
             write!(out, "{error}")?;
             return Ok(());
+    let arguments: Vec<std::ffi::OsString> = arguments.into_iter().map(Into::into).collect();
+    let as_json = is_json(&arguments);
         }
-        Err(error) => return Err(Problem::Usage(error.to_string())),
+        Err(error) => return failed(Problem::Usage(error.to_string()), as_json, out),
     };
     let Some((command, options)) = matches.subcommand() else {
         return Err(Problem::Usage(arguments::command().render_help().to_string()));
@@ -127,14 +134,18 @@ fn command(
     let out = if outputs::is_quiet(options) { &mut nothing } else { out };
     let mut counted = outputs::Counted { out, bytes: 0 };
     let outcome = answer(context, command, options, &mut counted);
-    match &outcome {
-        // A command that fails prints one object all the same.
-        Err(problem) if outputs::wants(options, "json") && counted.bytes == 0 => {
-            json::write(&json::object([("error", problem.as_json())]), &mut counted)?;
-        }
-        _ => (),
+    match outcome {
+        Err(problem) if counted.bytes == 0 => failed(problem, outputs::wants(options, "json"), &mut counted),
+        outcome => outcome,
     }
-    outcome
+}
+
+/// A command that fails prints one object all the same.
+fn failed(problem: Problem, as_json: bool, out: &mut dyn std::io::Write) -> Result<(), Problem> {
+    match as_json {
+        true => json::write_outcome(json::object::<&str>([]), Err(problem), out),
+        false => Err(problem),
+    }
 }
 
 fn answer(

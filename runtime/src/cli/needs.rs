@@ -34,13 +34,12 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     let found = match find(&request, &context.interruption().into()) {
         Ok(found) => found,
         Err(error) => {
-            if let NeedsError::Interrupted { so_far: Some(found) } = &error {
-                print(found, said, out)?;
-            }
-            return Err(problem(error, &loaded));
+            let NeedsError::Interrupted { so_far: Some(found) } = &error else { return Err(problem(error, &loaded)) };
+            let found = found.clone();
+            return print(&found, said, Err(problem(error, &loaded)), out);
         }
     };
-    print(&found, said, out)?;
+    print(&found, said, Ok(()), out)?;
     let mut written = Vec::new();
     if let Some(path) = options.get_one::<String>("plot") {
         outputs::draw(path, found.chart())?;
@@ -66,14 +65,13 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     Ok(())
 }
 
-/// The table, or data.
-fn print(found: &Needs, as_data: bool, out: &mut dyn Write) -> Result<(), Problem> {
+/// The table, or data; and how it ended.
+fn print(found: &Needs, as_data: bool, outcome: Result<(), Problem>, out: &mut dyn Write) -> Result<(), Problem> {
     if as_data {
-        json::write(&as_json(found), out)?;
-    } else {
-        write!(out, "{}", found.table())?;
+        return json::write_outcome(as_json(found), outcome, out);
     }
-    Ok(())
+    write!(out, "{}", found.table())?;
+    outcome
 }
 
 /// Tries every ingredient, and names each on a terminal.

@@ -88,7 +88,7 @@ fn failed(loaded: &Loaded, error: &Error, options: &ArgMatches, out: &mut dyn Wr
 }
 
 /// Says that what was printed is not all that was wanted.
-fn unless_broken_off(interrupted: bool) -> Result<(), Problem> {
+pub(super) fn unless_broken_off(interrupted: bool) -> Result<(), Problem> {
     if interrupted { Err(Problem::Run("interrupted".to_owned())) } else { Ok(()) }
 }
 

@@ -45,7 +45,9 @@ impl Problem {
             Problem::Run(_) => "run",
             Problem::File(_) | Problem::Closed => "file",
         };
-        object([("kind", kind.into()), ("message", self.to_string().into())])
+        let message = self.to_string();
+        let message = message.strip_prefix("error: ").unwrap_or(&message);
+        object([("kind", kind.into()), ("message", message.into())])
     }
 }
 

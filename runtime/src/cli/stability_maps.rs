@@ -6,8 +6,9 @@ use clap::ArgMatches;
 use serde_json::{Value as Json, json};
 
 use super::Problem;
-use super::json::{number, object};
+use super::json::{number, object, write_outcome};
 use super::load::Loaded;
+use super::orbit::unless_broken_off;
 use crate::numbers::short;
 use crate::orbit::{Boundary, StabilityMap};
 use crate::run::written;
@@ -15,8 +16,7 @@ use crate::run::written;
 /// Prints a map.
 pub fn report(loaded: &Loaded, map: &StabilityMap, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     if options.get_flag("json") {
-        super::json::write(&as_json(loaded, map), out)?;
-        return Ok(());
+        return write_outcome(as_json(loaded, map), unless_broken_off(map.interrupted), out);
     }
     let [x, y] = &map.names;
     let [columns, rows] = [0, 1].map(|axis| map.values[axis].len());

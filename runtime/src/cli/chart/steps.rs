@@ -13,13 +13,13 @@ use crate::precision::{Convergence, StepCurve};
 pub fn report(
     found: &Convergence,
     [plot, csv]: &[String; 2],
-    as_data: bool,
+    (as_data, outcome): (bool, Result<(), Problem>),
     (output, out): (Option<&mut dyn Write>, &mut dyn Write),
 ) -> Result<(), Problem> {
     outputs::draw(plot, found.chart())?;
     put_table(csv, &found.to_csv(), output)?;
     if as_data {
-        return Ok(json::write(&as_json(found), out)?);
+        return json::write_outcome(as_json(found), outcome, out);
     }
     let reference = &found.reference;
     let times = reference.times();
@@ -29,7 +29,7 @@ pub fn report(
     left_out(&found.refused, out)?;
     writeln!(out, "{}\n", found.sentence())?;
     [plot, csv].into_iter().filter(|path| *path != "-").try_for_each(|path| writeln!(out, "written: {path}"))?;
-    Ok(())
+    outcome
 }
 
 fn as_json(found: &Convergence) -> Value {

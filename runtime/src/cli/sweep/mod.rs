@@ -19,7 +19,7 @@ use points::{Points, Varied};
 use serde_json::{Value, json};
 use table::{Row, Table, results};
 
-use super::json::{number, object};
+use super::json::{number, object, write_outcome};
 use super::load::Loaded;
 use super::modes::at_rest;
 use super::plotted::parts;
@@ -79,20 +79,22 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     if let Some(output) = output {
         write!(output, "{}", table.to_csv())?;
     }
-    if options.get_flag("json") {
-        super::json::write(&as_json(&loaded.name, &table, &path), &mut *out)?;
-    } else {
-        print(&table, varied, &shown, &mut *out)?;
-        for path in [Some(&path).filter(|path| *path != "-"), arrays].into_iter().flatten() {
-            writeln!(out, "written: {path}")?;
+    let outcome = match all.filter(|all| table.rows.len() < *all) {
+        Some(all) => {
+            let way_out = if experiment::is_kept(&path) { "; the same command with --resume continues" } else { "" };
+            let done = table.rows.len();
+            Err(Problem::Run(format!("interrupted: {done} of {all} runs are in the table{way_out}")))
         }
+        None => failures(&table),
+    };
+    if options.get_flag("json") {
+        return write_outcome(as_json(&loaded.name, &table, &path), outcome, &mut *out);
     }
-    if let Some(all) = all.filter(|all| table.rows.len() < *all) {
-        let way_out = if experiment::is_kept(&path) { "; the same command with --resume continues" } else { "" };
-        let done = table.rows.len();
-        return Err(Problem::Run(format!("interrupted: {done} of {all} runs are in the table{way_out}")));
+    print(&table, varied, &shown, &mut *out)?;
+    for path in [Some(&path).filter(|path| *path != "-"), arrays].into_iter().flatten() {
+        writeln!(out, "written: {path}")?;
     }
-    failures(&table)
+    outcome
 }
 
 /// Writes the table as NumPy's arrays.
