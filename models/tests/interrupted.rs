@@ -87,7 +87,8 @@ fn a_sweep_that_was_killed_is_continued_after_its_last_whole_row() {
 fn in_background(arguments: &[&str]) -> Child {
     let mut command = Command::new("sh");
     command.args(["-c", "trap '' INT; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_dalembert")]).args(arguments);
-    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program");
+    let child =
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program");
     let [status, executable] = ["status", "exe"].map(|file| format!("/proc/{}/{file}", child.id()));
     let program = fs::canonicalize(env!("CARGO_BIN_EXE_dalembert")).expect("the program");
     // The second bit of what is caught is that of SIGINT.
@@ -106,6 +107,24 @@ fn in_background(arguments: &[&str]) -> Child {
     // What a signal does is set just after it is caught.
     std::thread::sleep(Duration::from_millis(50));
     child
+}
+
+/// What has nothing to keep ends as it is told to, and says so in JSON.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_signal_ends_at_once_what_has_nothing_to_keep() {
+    for (signal, code) in [("-INT", 130), ("-TERM", 143)] {
+        for command in ["check", "show", "modes", "needs", "simulate"] {
+            // Its model never comes.
+            let mut child = in_background(&[command, "-", "--json"]);
+            let _input = child.stdin.take();
+            assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().expect("kill").success());
+            let output = child.wait_with_output().expect("its end");
+            let (out, told) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+            assert_eq!((output.status.code(), &*told), (Some(code), "error: interrupted\n"), "{command}");
+            assert_eq!(out, "{\"format\":1,\"error\":{\"kind\":\"run\",\"message\":\"interrupted\"}}\n", "{command}");
+        }
+    }
 }
 
 /// Each would take minutes, or hours.
@@ -135,8 +154,9 @@ fn searches_and_charts_went_on_after_ctrl_c() {
         assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill").success());
         let output = child.wait_with_output().expect("its end");
         let told = String::from_utf8_lossy(&output.stderr);
+        // Before there is something to keep it ends at once.
         assert!(
-            output.status.code() == Some(1) && told.contains("interrupted"),
+            matches!(output.status.code(), Some(1 | 130)) && told.contains("interrupted"),
             "{words:?}: {}: {told}",
             output.status
         );

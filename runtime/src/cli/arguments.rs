@@ -116,7 +116,11 @@ Exit codes:
   0  done
   1  a model file is wrong, a run failed or was interrupted (what was computed is written all the same), or a file
      cannot be read or written
-  2  wrong usage: an option, a name or a value";
+  2  wrong usage: an option, a name, a value, or a file to read that is not there
+  130, 143  ended by Ctrl-C or SIGTERM before anything was computed that could be written
+
+With --json a command that fails prints one object all the same: its `error` has a `kind` (usage, model, run or file) and a
+`message`, beside what was computed until then.";
 
 /// The grammar as shells are told of it: models by their names too.
 pub fn completed(names: &[&'static str]) -> Command {

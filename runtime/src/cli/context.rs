@@ -3,11 +3,8 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-#[cfg(not(target_family = "wasm"))]
-use signal_hook::consts::{SIGINT, SIGTERM};
-
-use super::Entry;
 use super::load::Loaded;
+use super::{Entry, signals};
 
 /// The models that go by a name, one that is loaded already, and what interrupts.
 #[derive(Clone, Copy)]
@@ -33,20 +30,6 @@ impl<'a> Context<'a> {
 
     /// True from the first interruption on; a second Ctrl-C ends the program.
     pub fn interruption(&self) -> Arc<AtomicBool> {
-        self.interrupted.map_or_else(by_signals, Arc::clone)
+        self.interrupted.map_or_else(signals::awaited, Arc::clone)
     }
-}
-
-fn by_signals() -> Arc<AtomicBool> {
-    let flag = Arc::new(AtomicBool::new(false));
-    #[cfg(not(target_family = "wasm"))]
-    for signal in [SIGINT, SIGTERM] {
-        // The flag goes first: no signal is lost that comes before the others are there.  They have a flag of their own: the first signal
-        // does not end the program.  Where signals cannot be had, they end the program as they always did.
-        let again = Arc::new(AtomicBool::new(false));
-        let _ = signal_hook::flag::register(signal, flag.clone());
-        let _ = signal_hook::flag::register_conditional_shutdown(signal, 128 + signal, again.clone());
-        let _ = signal_hook::flag::register(signal, again);
-    }
-    flag
 }

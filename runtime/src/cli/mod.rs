@@ -42,6 +42,7 @@ mod session;
 mod set_up;
 mod show;
 mod simulate;
+mod signals;
 mod slopes;
 mod solve;
 mod stability;
@@ -79,7 +80,10 @@ pub fn main(models: &[Entry]) -> ExitCode {
 
 /// Runs the program with these arguments (the first is the program's name), on standard output and standard error; its exit code.
 pub fn status(models: &[Entry], arguments: impl IntoIterator<Item = impl Into<std::ffi::OsString> + Clone>) -> u8 {
-    match run(models, arguments, &mut std::io::stdout().lock()) {
+    let arguments: Vec<std::ffi::OsString> = arguments.into_iter().map(Into::into).collect();
+    signals::listen(is_json(&arguments));
+    // Not locked, so that a signal may print too.
+    match run(models, arguments, &mut std::io::stdout()) {
         // Whoever reads has seen enough.
         Ok(()) | Err(Problem::Closed) => 0,
         Err(problem) => {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::ArgMatches;
 
-use super::Problem;
+use super::{Problem, signals};
 use crate::Error;
 use crate::show::{Animation, Figure, Playback, is_film, is_picture, wants_letters};
 
@@ -239,3 +239,4 @@ impl Write for Counted<'_> {
         self.out.flush()
     }
 }
+        signals::printing();
