@@ -213,7 +213,7 @@ fn said<T>(
     }
     found.map_err(|error| match error {
         Error::NoReference { .. } | Error::Run(_) => Problem::Run(error.to_string()),
-        _ => Problem::usage(error),
+        _ => Problem::refused(&error),
     })
 }
 

@@ -36,7 +36,7 @@ pub fn run(loaded: &mut Loaded, settings: &Settings, options: &ArgMatches, out: 
         let (run, failure) = match crate::simulate(&mut *loaded.system, settings) {
             Ok(run) => (run, None),
             Err(Error::Run(failure)) => (failure.run.clone(), Some(failure.to_string())),
-            Err(error) => return Err(Problem::usage(error)),
+            Err(error) => return Err(Problem::refused(&error)),
         };
         let description = loaded.system.description();
         let (name, equations) = match system {

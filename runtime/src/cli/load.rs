@@ -7,12 +7,14 @@ use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use clap::ArgMatches;
+use dalembert_symbolic::file::Node;
 use dalembert_symbolic::lower::{Program, compile_for_runs_from, compile_from};
 use dalembert_symbolic::model::{Files, Model, load_from};
 use dalembert_symbolic::print::fnv1a;
 use dalembert_symbolic::{diagnose, file};
 
 use super::plotted::filled_parts;
+use super::set_up::unknown;
 use super::{Context, Entry, Problem};
 use crate::mechanism::{Interpreted, System};
 use crate::precision::DoubleOnly;
@@ -37,16 +39,33 @@ impl ModelFile {
     pub fn named(context: Context<'_>, name: &str, sizes: Vec<(String, i64)>) -> Result<ModelFile, Problem> {
         if let Some(kept) = context.kept(name) {
             let sizes = if sizes.is_empty() { kept.sizes.clone() } else { sizes };
-            return Ok(ModelFile { sizes, ..kept.file() });
+            return ModelFile { sizes, ..kept.file() }.with_known_sizes();
         }
         let models = context.models;
         if let Some(entry) = models.iter().find(|entry| entry.name == name) {
             let now = || std::fs::read_to_string(entry.path).ok();
             let source = if entry.compiled.is_some() { None } else { now() };
             let (path, source) = (entry.path.to_owned(), source.unwrap_or_else(|| entry.source.to_owned()));
-            return Ok(ModelFile::of(name.to_owned(), path, source, sizes));
+            return ModelFile::of(name.to_owned(), path, source, sizes).with_known_sizes();
         }
-        ModelFile::read(models, name, sizes)
+        ModelFile::read(models, name, sizes)?.with_known_sizes()
+    }
+
+    /// Refuses sizes that the file does not have, as other names on the command line; of a file that is no YAML its own mistakes are told.
+    fn with_known_sizes(self) -> Result<ModelFile, Problem> {
+        if self.sizes.is_empty() {
+            return Ok(self);
+        }
+        let Ok(Node::Map(sections)) = file::read(&self.source) else { return Ok(self) };
+        let known = sections.iter().find(|(key, _)| key == "sizes").map(|(_, sizes)| sizes);
+        let known: Vec<&str> = match known {
+            Some(Node::Map(sizes)) => sizes.iter().map(|(name, _)| name.as_str()).collect(),
+            _ => Vec::new(),
+        };
+        match self.sizes.iter().find(|(name, _)| !known.contains(&name.as_str())) {
+            Some((name, _)) => Err(unknown("size", name, known.iter().copied())),
+            None => Ok(self),
+        }
     }
 
     /// A text at a path, beside which the files are that it names.
@@ -77,15 +96,36 @@ impl ModelFile {
             let (name, path, source) = ("stdin".to_owned(), "-".to_owned(), standard_input()?);
             return Ok(ModelFile::of(name, path, source, sizes));
         }
-        if !Path::new(name).is_file() {
-            let hint = diagnose::did_you_mean(name, models.iter().map(|entry| entry.name));
-            let hint = if hint.is_empty() { "`list` names the models".to_owned() } else { hint };
-            return Err(Problem::usage(format!("no model and no file is called `{name}`; {hint}")));
+        let path = Path::new(name);
+        if path.is_dir() {
+            return Err(Problem::usage(format!("`{name}` is a folder; name a model file in it")));
         }
-        let source = std::fs::read_to_string(name).map_err(|e| Problem::File(format!("cannot read {name}: {e}")))?;
+        if !path.exists() {
+            return Err(Problem::usage(format!("no model and no file is called `{name}`; {}", meant(models, name))));
+        }
+        let bytes = std::fs::read(name).map_err(|e| Problem::unread(name, &e))?;
+        let source = String::from_utf8(bytes).map_err(|e| Problem::File(not_utf8(name, e.as_bytes())))?;
         let stem = Path::new(name).file_stem().map_or(name.to_owned(), |s| s.to_string_lossy().into_owned());
         Ok(ModelFile::of(stem, name.to_owned(), source, sizes))
     }
+}
+
+/// What a name that nothing has may stand for.
+fn meant(models: &[Entry], name: &str) -> String {
+    let beside = ["yaml", "yml"].map(|ending| format!("{name}.{ending}"));
+    if let Some(file) = beside.iter().find(|file| Path::new(file).is_file()) {
+        return format!("did you mean the file `{file}`?");
+    }
+    let near = diagnose::did_you_mean(name, models.iter().map(|entry| entry.name));
+    if near.is_empty() { "`list` names the models".to_owned() } else { near }
+}
+
+/// What is said of a text in another encoding than that of YAML.
+fn not_utf8(path: &str, bytes: &[u8]) -> String {
+    let wide = bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]);
+    let from = if wide { "UTF-16" } else { "LATIN1" };
+    let is = if wide { "UTF-16, not UTF-8" } else { "not UTF-8" };
+    format!("{path} is {is}; `iconv -f {from} -t UTF-8 {path}` makes it so, if that is what it is")
 }
 
 /// No longer model file is read from standard input, bytes: it may have no end.
@@ -167,7 +207,7 @@ impl Loaded {
         }
         let (name, path, source) = (entry.name.to_owned(), entry.path.to_owned(), entry.source.to_owned());
         if !sizes.is_empty() {
-            let file = ModelFile::of(name, path, source, sizes);
+            let file = ModelFile::of(name, path, source, sizes).with_known_sizes()?;
             return Loaded::interpreted(&file).map_err(|problems| file.problem(&problems));
         }
         let ModelFile { name, path, source, sizes, files } = ModelFile::of(name, path, source, sizes);

@@ -157,7 +157,7 @@ fn problem(error: &Error) -> Problem {
     match error {
         Error::NoOrbit(_) | Error::NoSlopes(_) | Error::Linear(_) => Problem::Run(error.to_string()),
         Error::Run(failure) => Problem::Run(failure.to_string()),
-        error => Problem::usage(error),
+        error => Problem::refused(error),
     }
 }
 

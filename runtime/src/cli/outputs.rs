@@ -16,7 +16,7 @@ use crate::show::{Animation, Figure, Playback, is_film, is_picture, wants_letter
 /// the same file.
 ///
 /// # Errors
-/// [`Problem::File`]; nothing was computed then, and what was in a file is still there.
+/// Nothing was computed then, and what was in a file is still there.
 pub fn check(options: &ArgMatches, names: &[&str], model: &str) -> Result<(), Problem> {
     let given = names.iter().filter_map(|name| Some((*name, options.get_one::<String>(name)?.as_str())));
     check_paths(given, model)
@@ -37,7 +37,7 @@ pub fn check_paths<'a>(paths: impl Iterator<Item = (&'a str, &'a str)>, model: &
         refuse_hyphen(name, path)?;
         let asked = Path::new(path);
         if same_file(asked, Path::new(model)) {
-            return Err(Problem::File(format!("{option} {path} would overwrite the model file")));
+            return Err(Problem::usage(format!("{option} {path} would overwrite the model file")));
         }
         match name {
             "plot" => drawable(path)?,
@@ -56,7 +56,7 @@ pub fn check_paths<'a>(paths: impl Iterator<Item = (&'a str, &'a str)>, model: &
         opened.map_err(|problem| Problem::File(format!("{option}: cannot write `{path}`: {problem}")))?;
         let clash = taken.iter().find(|(_, other)| same_file(asked, other)).map(|(other, _)| other.clone());
         if let Some(other) = clash {
-            return Err(Problem::File(format!("{other} and {option} name the same file, {path}")));
+            return Err(Problem::usage(format!("{other} and {option} name the same file, {path}")));
         }
         taken.push((option, asked.to_owned()));
     }
@@ -77,11 +77,11 @@ pub fn refuse_hyphen(option: &str, path: &str) -> Result<(), Problem> {
 /// Refuses to write the table over a file that it is made from.
 ///
 /// # Errors
-/// [`Problem::File`].
+/// [`Problem::Usage`].
 pub fn keep<'a>(path: &str, mut read: impl Iterator<Item = &'a str>) -> Result<(), Problem> {
     match read.find(|read| same_file(Path::new(path), Path::new(read))) {
         Some(read) => {
-            Err(Problem::File(format!("{path} would overwrite {read}, which it is made from; name another by --csv")))
+            Err(Problem::usage(format!("{path} would overwrite {read}, which it is made from; name another by --csv")))
         }
         None => Ok(()),
     }

@@ -5,6 +5,7 @@ use std::fmt;
 use serde_json::Value;
 
 use super::json::object;
+use crate::Error;
 
 /// Why a command failed.
 #[derive(Debug)]
@@ -21,10 +22,33 @@ pub enum Problem {
     Closed,
 }
 
+/// Settings that have an option of their name, and nothing in a file that sets them for one run.
+const OPTIONS: [&str; 4] = ["step", "stiffness", "damping", "alpha"];
+
 impl Problem {
     /// Bad usage, in these words.
     pub(super) fn usage(text: impl fmt::Display) -> Problem {
         Problem::Usage(format!("error: {text}"))
+    }
+
+    /// Settings that a run refuses, which are options here.
+    pub(super) fn refused(error: &Error) -> Problem {
+        match error {
+            Error::BadSetting { setting, value, expected } if OPTIONS.contains(setting) => {
+                Problem::usage(format!("--{setting} is {value}; expected {expected}"))
+            }
+            Error::NoStep { method } => Problem::usage(format!("`{method}` needs a fixed step: give --step TIME")),
+            other => Problem::usage(other),
+        }
+    }
+
+    /// A file that was named to be read and cannot be; where it is not there, its name is wrong.
+    pub(super) fn unread(path: &str, error: &std::io::Error) -> Problem {
+        let text = format!("cannot read {path}: {error}");
+        match error.kind() {
+            std::io::ErrorKind::NotFound => Problem::usage(text),
+            _ => Problem::File(text),
+        }
     }
 
     /// The process's exit code.

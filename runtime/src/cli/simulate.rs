@@ -63,7 +63,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
             report((&loaded, &settings), (&mut failure.run, Some(&problem)), (&shown, &others, None), options, out)?;
             Err(problem)
         }
-        Err(error) => Err(Problem::usage(error)),
+        Err(error) => Err(Problem::refused(&error)),
     }
 }
 
@@ -123,7 +123,7 @@ pub fn outcome(
             let told = (failure.to_string(), failure.state.t);
             (failure.run, Some(told))
         }
-        Err(error) => return Err(Problem::usage(error)),
+        Err(error) => return Err(Problem::refused(&error)),
     };
     save(&loaded, &run, options)?;
     let mut json = as_json(&loaded, &settings, &run);

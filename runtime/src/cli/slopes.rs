@@ -29,7 +29,7 @@ pub fn asked(loaded: &mut Loaded, settings: &Settings, options: &ArgMatches) -> 
                 let hint = did_you_mean_or(name, &known);
                 Problem::usage(format!("--slopes: no coordinate, rate or parameter is called `{name}`; {hint}"))
             }
-            _ => Problem::usage(error),
+            _ => Problem::refused(&error),
         })?;
         unknowns.push((name.to_owned(), found));
     }

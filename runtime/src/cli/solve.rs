@@ -50,7 +50,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
         }
         Err(Error::Run(failure)) => Err(Problem::Run(failure.to_string())),
         Err(Error::NoSlopes(why)) => Err(Problem::Run(format!("{why}{}", touched(&loaded, &why)))),
-        Err(error) => Err(Problem::usage(error)),
+        Err(error) => Err(Problem::refused(&error)),
     }
 }
 
@@ -131,7 +131,7 @@ fn wanted(search: Search, options: &ArgMatches) -> Result<Search, Problem> {
 /// A table with a header; `columns` says which of its columns are time (`t=…`) and what is measured (`x=…`), else they have these names.
 fn record(path: &str, columns: Option<&str>) -> Result<Record, Problem> {
     let unread = |why: &dyn std::fmt::Display| Problem::File(format!("cannot read `{path}`: {why}"));
-    let text = std::fs::read_to_string(path).map_err(|e| unread(&e))?;
+    let text = std::fs::read_to_string(path).map_err(|e| Problem::unread(path, &e))?;
     let mut lines = cells_of(text.strip_prefix('\u{feff}').unwrap_or(&text));
     let (_, header) = lines.next().ok_or_else(|| unread(&"it is empty"))?;
     let named: Vec<(String, String)> = match columns {

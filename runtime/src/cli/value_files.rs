@@ -24,7 +24,7 @@ pub fn read(path: &str) -> Result<Vec<(String, String)>, Problem> {
 fn lines(path: &str) -> Result<Vec<(String, String, String)>, Problem> {
     let text = match path {
         "-" => standard_input()?,
-        _ => fs::read_to_string(path).map_err(|problem| Problem::File(format!("cannot read {path}: {problem}")))?,
+        _ => fs::read_to_string(path).map_err(|problem| Problem::unread(path, &problem))?,
     };
     let mut entries: Vec<(String, String, String)> = Vec::new();
     for (index, line) in text.lines().enumerate() {
@@ -70,7 +70,11 @@ pub fn parameters(loaded: &mut Loaded, reader: &mut Reader, path: &str) -> Resul
 /// Names or values that are none.
 pub fn start(loaded: &Loaded, reader: &mut Reader, path: &str, settings: &mut Settings) -> Result<(), Problem> {
     let length = settings.until - settings.from;
-    for (place, name, text) in lines(path)? {
+    let lines = lines(path)?;
+    if lines.is_empty() {
+        return Err(Problem::usage(format!("{path} states no value")));
+    }
+    for (place, name, text) in lines {
         match name.as_str() {
             "t" => {
                 settings.from = reader.value_at(loaded, &place, Sets::Time, &text)?;

@@ -41,8 +41,7 @@ pub fn run(options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let text = match from {
         "-" => standard_input()?,
         _ => {
-            let bytes =
-                std::fs::read(from).map_err(|problem| Problem::File(format!("cannot read {from}: {problem}")))?;
+            let bytes = std::fs::read(from).map_err(|problem| Problem::unread(from, &problem))?;
             String::from_utf8(bytes)
                 .map_err(|_| Problem::usage(format!("{from} is not UTF-8; `iconv -t UTF-8 {from}` makes it so")))?
         }

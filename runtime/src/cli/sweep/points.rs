@@ -99,7 +99,7 @@ impl Points {
             |problem: &dyn std::fmt::Display| Problem::File(format!("--points: cannot read {path}: {problem}"));
         let text = match path {
             "-" => standard_input()?,
-            _ => std::fs::read_to_string(path).map_err(|e| unread(&e))?,
+            _ => std::fs::read_to_string(path).map_err(|e| Problem::unread(path, &e))?,
         };
         let mut table = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
         let names = table.headers().map_err(|e| unread(&e))?.clone();

@@ -136,7 +136,7 @@ impl Table {
     /// are there.
     pub fn read(path: &str) -> Result<Option<(Table, u64)>, Problem> {
         let unread = |problem: &dyn std::fmt::Display| Problem::File(format!("cannot read {path}: {problem}"));
-        let text = std::fs::read(path).map_err(|e| unread(&e))?;
+        let text = std::fs::read(path).map_err(|e| Problem::unread(path, &e))?;
         let text = complete(&text);
         if text.is_empty() {
             return Ok(None);
