@@ -59,10 +59,141 @@ fn exit_codes_are_those_of_the_help() {
     assert_eq!(code(&["simulate", "none.yaml"]), Some(2));
     assert_eq!(code(&["simulate", "good.yaml", "--until", "soon"]), Some(2));
     assert_eq!(code(&["simulate"]), Some(2));
+    // What is not there is a wrong name, whatever it is the name of.
+    for wrong in ["--state=none.txt", "--params=none.txt", "--start=z=1", "--set=z=1", "--size=z=1", "--scene=z", "--z"]
+    {
+        assert_eq!(code(&["simulate", "good.yaml", wrong]), Some(2), "{wrong}");
+    }
+    assert_eq!(code(&["sweep", "good.yaml", "--points", "none.csv"]), Some(2));
+    assert_eq!(code(&["simulate", "good.yaml", "--csv", "good.yaml"]), Some(2));
     let (help, _, status) = told(&done(&folder, &["--help"]));
     assert_eq!(status, Some(0));
-    for line in ["0  done", "1  a model file is wrong, a run failed or was interrupted", "2  wrong usage"] {
+    for line in
+        ["0  done", "1  a model file is wrong, a run failed or was interrupted", "2  wrong usage", "130, 143  ended by"]
+    {
         assert!(help.contains(line), "{line}: {help}");
+    }
+}
+
+/// The one object that a command that fails prints with `--json`.
+fn failure(folder: &Path, arguments: &[&str]) -> serde_json::Value {
+    let (out, _, _) = told(&done(folder, &[arguments, &["--json"]].concat()));
+    let answer: serde_json::Value = serde_json::from_str(&out).unwrap_or_else(|_| panic!("{arguments:?}: {out}"));
+    let why = answer["error"]["message"].as_str().unwrap_or_else(|| panic!("{arguments:?}: {out}"));
+    assert!(!why.is_empty() && !why.starts_with("error: "), "{arguments:?}: {why}");
+    answer
+}
+
+#[test]
+fn json_says_why_whatever_fails() {
+    let folder = folder("failures");
+    for wrong in [
+        &["simulate"][..],
+        &["simulate", "good.yaml", "--nonsense"],
+        &["simulate", "good.yaml", "--max-steps", "many"],
+        &["simulate", "good.yaml", "--step", "1e-3", "--max-steps", "3"],
+        &["sweep", "good.yaml", "--vary", "m=1,2", "--step", "1e-3", "--max-steps", "3"],
+        &["modes", "bad.yaml"],
+    ] {
+        failure(&folder, wrong);
+    }
+}
+
+#[test]
+fn several_files_are_one_object_too() {
+    let folder = folder("files");
+    let answer = failure(&folder, &["check", "good.yaml", "bad.yaml", "none.yaml"]);
+    let files = answer["files"].as_array().expect("a list");
+    assert_eq!((files.len(), &files[0]["name"], &files[0]["coordinates"]), (3, &"good".into(), &1.into()));
+    assert_eq!(files[1]["problems"][0]["code"], "E301");
+    let kinds: Vec<&serde_json::Value> = files.iter().map(|file| &file["error"]["kind"]).collect();
+    assert_eq!(kinds, [&serde_json::Value::Null, &"model".into(), &"usage".into()]);
+}
+
+#[test]
+fn what_is_no_model_file_is_told_what_it_is() {
+    let folder = folder("no-model");
+    fs::create_dir(folder.join("models")).expect("a folder");
+    let wide: Vec<u8> = std::iter::once(0xfeff).chain(MODEL.encode_utf16()).flat_map(u16::to_le_bytes).collect();
+    fs::write(folder.join("wide.yaml"), wide).expect("a file");
+    fs::write(folder.join("empty.txt"), "# nothing\n").expect("a file");
+    for (arguments, said) in [
+        (&["check", "good"][..], "did you mean the file `good.yaml`?"),
+        (&["check", "models"], "`models` is a folder"),
+        (&["check", "wide.yaml"], "iconv -f UTF-16 -t UTF-8 wide.yaml"),
+        (&["check", "good.yaml", "--size", "n=3"], "no size is called `n`"),
+        (&["simulate", "good.yaml", "--state", "empty.txt"], "empty.txt states no value"),
+        (&["simulate", "good.yaml", "--method", "rk4"], "give --step"),
+        (&["simulate", "good.yaml", "--method", "rk4", "--step=-1"], "--step is -1"),
+    ] {
+        let (out, error, _) = told(&done(&folder, arguments));
+        assert!(out.is_empty() && error.contains(said), "{arguments:?}: {out}{error}");
+    }
+}
+
+/// A speed in m/s beside an angle has no coordinate of its unit to be small beside.
+#[test]
+fn what_is_0_all_the_time_is_printed_as_0() {
+    let folder = folder("rest");
+    let door = "name: Door\nparameters: {m: 30 kg, w: 0.9 m, k: 20 N*m/rad, c: 8 N*m*s/rad}\ncoordinates: {phi: rad}\n\
+                bodies: {leaf: {mass: m, inertia: m*w^2/12, angle: phi, position: \"[w/2*cos(phi), w/2*sin(phi)]\"}}\n\
+                springs: {closer: {stretch: phi, stiffness: k, on: leaf}}\ndampers: {pot: {rate: phi', damping: c, on: leaf}}\n\
+                outputs: {speed: w*phi'}\nscene: {start: {phi: 0}, until: 3}\n";
+    fs::write(folder.join("door.yaml"), door).expect("a file");
+    let (out, _, _) = told(&done(&folder, &["simulate", "door.yaml"]));
+    assert!(out.contains("speed = 0 m/s"), "{out}");
+    // What moves is told with the digits that hold.
+    let (out, _, _) = told(&done(&folder, &["simulate", "door.yaml", "--start", "phi=1"]));
+    assert!(out.contains("speed = -") || out.contains("speed = 0."), "{out}");
+}
+
+#[test]
+fn a_run_warns_where_it_leaves_a_table() {
+    let folder = folder("tables");
+    let model = |more: &str, until: &str| {
+        format!(
+            "name: Ride\nparameters: {{m: 1 kg, k: 100 N/m, v: 2 m/s}}\ncoordinates: {{y: m}}\n\
+             tables: {{bump: {{points: [[0, 0], [0.5, 0.1], [1, 0.02], [3, 0]], units: [m, m]{more}}}}}\n\
+             inputs: {{road: bump(v*t)}}\nbodies: {{bob: {{mass: m, position: \"[0, y]\"}}}}\n\
+             springs: {{s: {{stretch: y - road, stiffness: k, along: ground.y, on: bob}}}}\nscene: {{until: {until}}}\n"
+        )
+    };
+    for (more, until, warned) in [("", "2", true), ("", "1.5", false), (", periodic: true", "2", false)] {
+        fs::write(folder.join("ride.yaml"), model(more, until)).expect("a file");
+        let (out, _, status) = told(&done(&folder, &["simulate", "ride.yaml"]));
+        let warning = "warning        the motion leaves the table `bump` at t = 1.5 s:";
+        assert_eq!((out.matches(warning).count(), status), (usize::from(warned), Some(0)), "{out}");
+        assert_eq!(out.contains("leaves the table"), warned, "{out}");
+    }
+}
+
+/// The names of all commands.
+fn commands(folder: &Path) -> Vec<String> {
+    let (help, _, _) = told(&done(folder, &["--help"]));
+    let listed = help.split("Commands:").nth(1).and_then(|rest| rest.split("\n\n").next()).expect("commands");
+    let names = listed.lines().filter_map(|line| line.split_whitespace().next()).filter(|name| *name != "help");
+    names.map(str::to_owned).collect()
+}
+
+/// Each as a shell reads it, in the order in which they stand.
+#[test]
+#[cfg(unix)]
+fn examples_of_the_help_do_as_they_stand() {
+    let folder = folder("examples");
+    let robot = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/urdf/arm6.urdf");
+    fs::copy(robot, folder.join("robot.urdf")).expect("a robot");
+    for command in commands(&folder) {
+        let (help, _, _) = told(&done(&folder, &[&command, "--help"]));
+        assert!(help.contains("-q, --quiet"), "{command}");
+        let examples = help.split("Examples:\n").nth(1).unwrap_or_default().lines();
+        let examples: Vec<&str> = examples.filter_map(|line| line.trim().strip_prefix("dalembert ")).collect();
+        assert_eq!(examples.len(), 3, "{command}: {help}");
+        for example in examples {
+            let mut shell = Command::new("sh");
+            shell.args(["-c", &format!("\"$0\" {example}"), env!("CARGO_BIN_EXE_dalembert")]).current_dir(&folder);
+            let (out, error, status) = told(&shell.output().expect("a shell"));
+            assert_eq!(status, Some(0), "{example}: {out}{error}");
+        }
     }
 }
 

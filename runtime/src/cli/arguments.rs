@@ -8,8 +8,14 @@ use clap::{Arg, ArgAction, ArgGroup, ArgMatches, Command, ValueHint};
 use clap_complete::Shell;
 use dalembert_symbolic::diagnose::nearest;
 
+use super::help;
+
 /// The whole grammar.
 pub fn command() -> Command {
+    grammar().mut_subcommands(help::told)
+}
+
+fn grammar() -> Command {
     let about = "Simulates mechanisms described in YAML, and says how far to trust the result";
     Command::new("dalembert")
         .about(about)
@@ -17,12 +23,13 @@ pub fn command() -> Command {
         .subcommand_required(true)
         .arg_required_else_help(true)
         .after_help(EXIT_CODES)
-        .subcommand(Command::new("list").about("Names the models of the library").arg(flag("json", "Print one JSON object")))
+        .subcommand(Command::new("list").about("Names the models of the library").arg(quiet()).arg(flag("json", "Print one JSON object")))
         .subcommand(
             Command::new("show")
                 .about("Prints the derived equations, operation counts and what was recognised")
                 .arg(model())
                 .args(sizes())
+                .arg(quiet())
                 .arg(flag("linear", "Print M, C, K and B of small motions about the file's `equilibrium`, as expressions of the parameters; with --latex in LaTeX").conflicts_with_all(["rust", "python", "c", "json"]))
                 .arg(many("at", "NAME=EXPR", "Another equilibrium: a coordinate's value, an expression of parameters").requires("linear"))
                 .arg(flag("rust", "Print the generated Rust instead"))
@@ -81,7 +88,7 @@ pub fn command() -> Command {
                 .arg(quiet()),
         )
         .subcommand(import())
-        .subcommand(Command::new("schema").about("Writes a JSON schema of model files, by which editors complete keys and underline others").arg(output("FILE.json")))
+        .subcommand(Command::new("schema").about("Writes a JSON schema of model files, by which editors complete keys and underline others").arg(quiet()).arg(output("FILE.json")))
         .subcommand(
             Command::new("completions")
                 .about("Writes a script by which a shell completes commands and options; Bash and Zsh also names of models")
@@ -91,7 +98,8 @@ pub fn command() -> Command {
                         .required(true)
                         .value_parser(clap::value_parser!(Shell))
                         .help("bash, elvish, fish, powershell or zsh"),
-                ),
+                )
+                .arg(quiet()),
         )
 }
 

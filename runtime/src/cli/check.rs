@@ -102,7 +102,7 @@ fn one(context: Context<'_>, name: &str, options: &ArgMatches, out: &mut dyn Wri
         writeln!(out, "  {}", nature(force, &program))?;
     }
     let warnings = file::render(&text.path, &text.source, &program.model.warnings);
-    match outputs::is_quiet(options) {
+    match outputs::is_quiet("check", options) {
         true => eprint!("{warnings}"),
         false => write!(out, "{warnings}")?,
     }

@@ -23,6 +23,7 @@ mod export;
 mod families;
 mod freedoms;
 mod generate;
+mod help;
 mod import;
 mod initial_phases;
 mod json;
@@ -41,8 +42,8 @@ mod schema;
 mod session;
 mod set_up;
 mod show;
-mod simulate;
 mod signals;
+mod simulate;
 mod slopes;
 mod solve;
 mod stability;
@@ -111,23 +112,23 @@ pub fn run(
     command(Context::of(models), arguments, out)
 }
 
-fn command(
-    context: Context<'_>,
-    arguments: impl IntoIterator<Item = impl Into<std::ffi::OsString> + Clone>,
-    out: &mut dyn std::io::Write,
-) -> Result<(), Problem> {
 /// Whether these arguments ask for JSON, whatever else is wrong with them.
 fn is_json(arguments: &[std::ffi::OsString]) -> bool {
     arguments.iter().take_while(|argument| *argument != "--").any(|argument| argument == "--json")
 }
 
+fn command(
+    context: Context<'_>,
+    arguments: impl IntoIterator<Item = impl Into<std::ffi::OsString> + Clone>,
+    out: &mut dyn std::io::Write,
+) -> Result<(), Problem> {
+    let arguments: Vec<std::ffi::OsString> = arguments.into_iter().map(Into::into).collect();
+    let as_json = is_json(&arguments);
     let matches = match arguments::parsed(arguments) {
         Ok(matches) => matches,
         Err(error) if !error.use_stderr() => {
             write!(out, "{error}")?;
             return Ok(());
-    let arguments: Vec<std::ffi::OsString> = arguments.into_iter().map(Into::into).collect();
-    let as_json = is_json(&arguments);
         }
         Err(error) => return failed(Problem::Usage(error.to_string()), as_json, out),
     };
@@ -135,7 +136,7 @@ fn is_json(arguments: &[std::ffi::OsString]) -> bool {
         return Err(Problem::Usage(arguments::command().render_help().to_string()));
     };
     let mut nothing = std::io::sink();
-    let out = if outputs::is_quiet(options) { &mut nothing } else { out };
+    let out = if outputs::is_quiet(command, options) { &mut nothing } else { out };
     let mut counted = outputs::Counted { out, bytes: 0 };
     let outcome = answer(context, command, options, &mut counted);
     match outcome {

@@ -143,8 +143,19 @@ pub fn ends_in(path: &str, known: &[&str]) -> Result<(), Problem> {
 }
 
 /// Whether no report is wanted; what is data for others, as JSON or a table on standard output, is no report.
-pub fn is_quiet(options: &ArgMatches) -> bool {
-    wants(options, "quiet") && !wants(options, "json") && !has_table_on_output(options)
+pub fn is_quiet(command: &str, options: &ArgMatches) -> bool {
+    let is_data = match command {
+        "list" | "show" | "schema" | "completions" => true,
+        "generate" => output(options).is_none_or(|path| path == "-"),
+        "import" => output(options).is_some_and(|path| path == "-"),
+        _ => wants(options, "json") || has_table_on_output(options),
+    };
+    wants(options, "quiet") && !is_data
+}
+
+/// Where what a command makes is to go.
+fn output(options: &ArgMatches) -> Option<&String> {
+    options.try_get_one("output").ok().flatten()
 }
 
 /// Whether a flag is given that the command has.
@@ -230,6 +241,7 @@ pub struct Counted<'a> {
 
 impl Write for Counted<'_> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        signals::printing();
         let written = self.out.write(bytes)?;
         self.bytes += written;
         Ok(written)
@@ -239,4 +251,3 @@ impl Write for Counted<'_> {
         self.out.flush()
     }
 }
-        signals::printing();
