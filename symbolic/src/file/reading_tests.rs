@@ -38,6 +38,29 @@ fn codes(text: &str) -> Vec<String> {
     codes.zip(shown.lines().filter_map(place)).map(|(code, place)| format!("{code} {place}")).collect()
 }
 
+/// YAML complains of the place where it can go on no more, which is not where the slip is.
+#[test]
+fn slips_are_told_where_they_are() {
+    for (text, wanted) in [
+        ("a:\n  b: 1\nc: 2\n  d: 3\n", "E001 3:1"),
+        ("a:\n  b: 1\n    c: 2\n", "E001 3:6"),
+        ("a:\n  b:{c: 1, d: 2}\n", "E018 2:3"),
+        ("a\nb: 1\n", "E001 1:1"),
+        ("a = 1\nb: 2\n", "E018 1:1"),
+        ("a: {b: \"1, c: 2}\nd: \"x\"\n", "E015 1:8"),
+        ("a: {b:1, c: 2}\n", "E018 1:5"),
+        ("a: {b: 1, c=2}\n", "E018 1:11"),
+        ("a: {b: 8,5 m}\n", "E108 1:8"),
+        ("a:\n  - b: 1\n  c: 2\n", "E001 3:3"),
+    ] {
+        assert_eq!(codes(text), [wanted], "{text}");
+    }
+    // A key without a value stays one.
+    for text in ["a: {b: , c: 2}\n", "a: {x, y}\n", "a: {\"x[i in 1..2]\": }\n"] {
+        assert!(read(text).is_ok(), "{text}");
+    }
+}
+
 #[test]
 fn refusals() {
     for (text, wanted) in [

@@ -1,7 +1,9 @@
 //! Expressions that YAML took apart because they were not quoted.
 
 use super::node::Node;
-use crate::diagnose::{Place, Problem, catalogue::yaml};
+use crate::diagnose::catalogue::{syntax, yaml};
+use crate::diagnose::{Place, Problem};
+use crate::language::shorten;
 
 /// Keys and items of lists with half of a bracket: `{force: dot(a, b)}` is `force: dot(a` and `b)`.
 pub(super) fn unquoted(root: &Node) -> Vec<Problem> {
@@ -31,10 +33,42 @@ fn look(node: &Node, place: &Place, problems: &mut Vec<Problem>) {
                     problems.push(half_key(place, &entries[..at], &entries[at..], key));
                     return;
                 }
+                if *value == Node::Null {
+                    let before = at.checked_sub(1).map(|at| &entries[at]);
+                    if let Some(problem) = one_text(place, before, key) {
+                        problems.push(problem);
+                        continue;
+                    }
+                }
                 look(value, &place.key(key), problems);
             }
         }
     }
+}
+
+/// A key without a value that is a key with its value, `l:8 m`, or what a decimal comma cuts off, `l: 8,5 m`.
+fn one_text(place: &Place, before: Option<&(String, Node)>, key: &str) -> Option<Problem> {
+    if let Some((_, meant)) = pair(key) {
+        return Some(yaml::no_pair(place.key(key).of_key(), shorten(key), shorten(&meant)));
+    }
+    let is_digits = |text: &str| text.parse::<i64>().is_ok();
+    match before {
+        Some((name, Node::Scalar(whole))) if is_digits(whole) && key.starts_with(|c: char| c.is_ascii_digit()) => {
+            Some(syntax::decimal_comma(place.key(name), format!("{whole}.{key}")))
+        }
+        _ => None,
+    }
+}
+
+/// How many bytes the key of `key:value` or `key = value` takes with what follows it, and both as they are meant.
+pub(super) fn pair(text: &str) -> Option<(usize, String)> {
+    let is_key = |c: char| c.is_alphanumeric() || "_'[]".contains(c);
+    let (key, rest) = text.split_at(text.find(|c| !is_key(c))?);
+    let blanks = rest.len() - rest.trim_start().len();
+    let value =
+        rest[blanks..].strip_prefix('=').or_else(|| rest.strip_prefix(':').filter(|value| !value.starts_with(' ')));
+    let value = value.map(str::trim).filter(|value| !value.is_empty() && !key.is_empty())?;
+    Some((key.len() + blanks + 1, format!("{key}: {value}")))
 }
 
 /// A key with half of a bracket.  The other half is mostly the value before it, or before keys without values:

@@ -1,7 +1,9 @@
 //! What YAML's libraries complain of, in our words, with a way out.
 
 use super::read::byte_at;
+use super::unquoted::pair;
 use crate::diagnose::{Place, Problem, catalogue::yaml};
+use crate::language::shorten;
 
 const QUOTE_IT: &str = "put the expression in double quotes";
 
@@ -14,6 +16,11 @@ pub(super) fn yaml_error(text: &str, at: usize, what: &str) -> Problem {
     let same_line = !text[start.min(at)..at].contains('\n') && next.is_some_and(|c| c != '\n');
     if what.contains("quoted scalar") && !what.contains("escape") {
         return open_quote(text, start);
+    }
+    if what.contains("expected ',' or")
+        && let Some(quote) = odd_quote(text, start, at)
+    {
+        return open_quote(text, quote);
     }
     if what.contains("did not find expected ','") || what.contains("expected ',' or") {
         return match (same_line, next) {
@@ -28,7 +35,13 @@ pub(super) fn yaml_error(text: &str, at: usize, what: &str) -> Problem {
         };
     }
     let value = value_before(text, at);
+    if what.contains("could not find expected ':'") {
+        return no_colon(text, start);
+    }
     if what.contains("mapping values are not allowed") {
+        if let Some(problem) = no_blank(text, at).or_else(|| wrong_above(text, at)) {
+            return problem;
+        }
         return yaml::not_yaml(
             place,
             "a colon cannot stand here",
@@ -43,6 +56,13 @@ pub(super) fn yaml_error(text: &str, at: usize, what: &str) -> Problem {
     }
     if what.contains("escape") {
         return yaml::not_yaml(place, "an unknown escape", "write `\\\\` for a backslash");
+    }
+    if what.contains("expected '-' indicator") {
+        return yaml::not_yaml(
+            place,
+            "this stands below the items of a list and is none",
+            "an item begins with `- `; what belongs to an item, or to none, is indented otherwise",
+        );
     }
     if what.contains("block sequence entries") || value.starts_with(['[', '"', '\'', '*', '&']) && same_line {
         return yaml::unquoted(place, quote(text, at));
@@ -60,6 +80,72 @@ pub(super) fn complex_key(text: &str, at: usize) -> Problem {
     } else {
         yaml::unquoted(one_character(text, at), quote(text, at))
     }
+}
+
+/// Where the line begins in which a byte is, and its text.
+fn line_of(text: &str, at: usize) -> (usize, &str) {
+    let start = text[..at].rfind('\n').map_or(0, |newline| newline + 1);
+    (start, text[start..].lines().next().unwrap_or_default())
+}
+
+fn indent(line: &str) -> usize {
+    line.len() - line.trim_start_matches(' ').len()
+}
+
+/// The last double quote of the first line, from one byte to another, in which they are odd.
+fn odd_quote(text: &str, from: usize, to: usize) -> Option<usize> {
+    let (mut start, _) = line_of(text, from);
+    for line in text[start..].split_inclusive('\n') {
+        if start > to {
+            return None;
+        }
+        let quotes: Vec<usize> = line.match_indices('"').map(|(byte, _)| byte).collect();
+        if quotes.len() % 2 == 1 {
+            return quotes.last().map(|byte| start + byte);
+        }
+        start += line.len();
+    }
+    None
+}
+
+/// A line that should be a key with its value, and has no colon.
+fn no_colon(text: &str, at: usize) -> Problem {
+    let (start, line) = line_of(text, at);
+    let (start, line) = (start + indent(line), line.trim());
+    if let Some((length, meant)) = pair(line) {
+        return yaml::no_pair(Place::in_file(start, start + length), shorten(line), shorten(&meant));
+    }
+    let place = Place::in_file(start, start + line.len());
+    yaml::not_yaml(place, format!("a colon is missing after `{}`", shorten(line)), "")
+}
+
+/// `crank:{mass: 1}`: the colon that counts stands before the one that is complained of.
+fn no_blank(text: &str, at: usize) -> Option<Problem> {
+    let (start, line) = line_of(text, at);
+    let (start, line) = (start + indent(line), line.trim());
+    let (length, meant) = pair(line).filter(|(length, _)| start + length <= at)?;
+    Some(yaml::no_pair(Place::in_file(start, start + length), shorten(line), shorten(&meant)))
+}
+
+/// The line before, where it has no colon or alone is indented less than its neighbours.
+fn wrong_above(text: &str, at: usize) -> Option<Problem> {
+    let (mut start, line) = line_of(text, at);
+    let mut above = || loop {
+        let (before, line) = line_of(text, start.checked_sub(1)?);
+        start = before;
+        if !line.trim().is_empty() && !line.trim_start().starts_with('#') {
+            return Some((before, line));
+        }
+    };
+    let (start, less) = above()?;
+    if !less.contains([':', '-', '#']) {
+        return Some(no_colon(text, start));
+    }
+    let (_, first) = above()?;
+    (indent(less) < indent(line) && indent(first) == indent(line)).then(|| {
+        let place = Place::in_file(start + indent(less), start + less.trim_end().len());
+        yaml::not_yaml(place, "this line is indented less than those around it", "indent it as these")
+    })
 }
 
 fn open_quote(text: &str, start: usize) -> Problem {

@@ -42,7 +42,7 @@ impl Token<'_> {
 }
 
 /// At most 40 characters of a text, for messages.
-pub(super) fn shorten(text: &str) -> String {
+pub(crate) fn shorten(text: &str) -> String {
     match text.char_indices().nth(40) {
         Some((byte, _)) => format!("{}…", &text[..byte]),
         None => text.to_owned(),

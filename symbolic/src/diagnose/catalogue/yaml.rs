@@ -52,4 +52,7 @@ super::entries! {
     E017 folded_prime(written, read) "two primes in single quotes"
         "in single quotes YAML reads `''` as one `'`: `{written}` becomes `{read}`" "one prime is lost" "put the expression in double quotes: `\"{written}\"`, or with one prime if a velocity is meant"
         "A quote inside single quotes is written twice, so that an acceleration would silently become a velocity.";
+    E018 no_pair(written, meant) "a key that is not parted from its value"
+        "`{written}` is no `key: value`" "" "write `{meant}`"
+        "A colon and a blank stand between a key and its value; without the blank, or with `=`, YAML takes both for one text.";
 }
