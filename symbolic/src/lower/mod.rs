@@ -212,8 +212,11 @@ pub fn compile_for_runs_from(files: &Files, text: &str, sizes: &[(String, i64)])
             lower(crate::gate::judged_and_explained(model, in_parts)?)
         }
         (Some(model), mut problems) => {
-            // Mistakes that leave the equations as written hide nothing that the gate finds in them.
-            problems.extend(crate::gate::judged(model).err().into_iter().flatten());
+            // Mistakes beside the equations hide nothing that the gate finds in these; what it finds in equations that are not as meant
+            // follows from them.
+            if problems.iter().all(crate::model::is_observed) {
+                problems.extend(crate::gate::judged(model).err().into_iter().flatten());
+            }
             crate::file::sort(text, &mut problems);
             Err(problems)
         }

@@ -24,6 +24,7 @@ pub use files::Files;
 pub use gimbals::Gimbal;
 pub use identifier::{KEYWORDS, METHODS, field_name, is_snake_case, local_name, method_name, type_name};
 pub use motion::{Closes, Goal, Image, Motion};
+pub(crate) use resolve::is_observed;
 pub(crate) use resolve::load_in_parts;
 pub use resolve::{load, load_from, load_in, read_through, read_through_from, read_through_in, resolve};
 pub use resolved::{

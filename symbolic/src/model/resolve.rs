@@ -1,5 +1,6 @@
 //! From the tree of a file to a model: the passes in order.
 
+use std::collections::HashMap;
 use std::path::Path;
 
 use super::expression::builder::is_of_units;
@@ -10,7 +11,7 @@ use super::resolver::Resolver;
 use super::section::declare::dimension;
 use super::section::resolve_values::resolve_values;
 use crate::diagnose::catalogue::{names, sections};
-use crate::diagnose::{Place, Problem, Step};
+use crate::diagnose::{Place, Problem, Step, did_you_mean, nearest};
 use crate::file::{Node, Spot};
 
 /// Every key that a model file may have.
@@ -82,8 +83,10 @@ fn resolve_through(
     files: &Files,
     in_parts: bool,
 ) -> (Option<Model>, Vec<Problem>) {
-    let mut resolver = Resolver::new(Spot::root(root), files);
+    let (respelt, slips) = respelt(root);
+    let mut resolver = Resolver::new(Spot::root(respelt.as_ref().unwrap_or(root)), files);
     resolver.in_parts = in_parts;
+    resolver.slips = slips;
     resolver.head();
     // 1. Names; look in `declare.rs` and `parameters.rs`.
     resolver.scope.dimension = dimension(root);
@@ -204,21 +207,76 @@ pub fn read_through_from(files: &Files, text: &str, sizes: &[(String, i64)]) -> 
     }
 }
 
+fn known_keys() -> impl Iterator<Item = &'static str> {
+    KEYS.into_iter().chain(["scenes", "equilibrium"])
+}
+
+/// The file with its misspelt sections under the names that are meant, if it has any, and these names as written and as meant: what
+/// stands in such a section is known.
+fn respelt(root: &Node) -> (Option<Node>, Vec<(String, &'static str)>) {
+    let Node::Map(entries) = root else { return (None, Vec::new()) };
+    let is_known = |key: &str| known_keys().any(|known| known == key);
+    let mut slips: Vec<(String, &'static str)> = Vec::new();
+    for (key, _) in entries.iter().filter(|(key, _)| !is_known(key)) {
+        let free = known_keys().filter(|known| entries.iter().all(|(key, _)| key != known));
+        if let Some(meant) = nearest(key, free.filter(|known| slips.iter().all(|(_, taken)| taken != known))) {
+            slips.push((key.clone(), meant));
+        }
+    }
+    if slips.is_empty() {
+        return (None, slips);
+    }
+    let meant =
+        |key: &String| slips.iter().find(|(written, _)| written == key).map_or(key.clone(), |slip| slip.1.into());
+    let respelt = entries.iter().map(|(key, node)| (meant(key), node.clone())).collect();
+    (Some(Node::Map(respelt)), slips)
+}
+
+/// A name that is declared nowhere is told where it stands first, with how often it stands elsewhere.
+fn told_once(problems: &mut Vec<Problem>) {
+    let is_name = |problem: &Problem| problem.code == "E201";
+    let mut counts: HashMap<String, usize> = HashMap::default();
+    for problem in problems.iter().filter(|problem| is_name(problem)) {
+        *counts.entry(problem.message.clone()).or_default() += 1;
+    }
+    problems.retain_mut(|problem| match counts.get_mut(&problem.message) {
+        Some(0) if is_name(problem) => false,
+        Some(count) if is_name(problem) => {
+            match std::mem::take(count) - 1 {
+                0 => {}
+                1 => problem.label = format!("{}; it stands in another place too", problem.label).into(),
+                more => problem.label = format!("{}; it stands in {more} other places too", problem.label).into(),
+            }
+            true
+        }
+        _ => true,
+    });
+}
+
 /// Sections that no equation of motion depends on.
 const OBSERVED: [&str; 8] = ["events", "conserved", "checks", "outputs", "draw", "equilibrium", "about", "motions"];
 
-/// Whether the equations of motion are as meant in spite of a problem.
-fn leaves_equations(problem: &Problem) -> bool {
+/// Whether the equations of motion are as written in spite of a problem.
+pub(super) fn leaves_equations(problem: &Problem) -> bool {
+    is_of_units(problem) || is_observed(problem)
+}
+
+/// Whether it is about what a run only observes, so that the equations of motion are as meant, too.
+pub(crate) fn is_observed(problem: &Problem) -> bool {
     let observed = |step: &Step| matches!(step, Step::Key(key) if OBSERVED.contains(&key.as_str()));
-    is_of_units(problem) || problem.place.path.first().is_some_and(observed)
+    problem.place.path.first().is_some_and(observed)
 }
 
 impl Resolver<'_> {
     /// `name`, `about`, and keys that are unknown or not supported.
     fn head(&mut self) {
         let root = self.root.clone();
-        let known: Vec<&str> = KEYS.into_iter().chain(["scenes", "equilibrium"]).collect();
+        let known: Vec<&str> = known_keys().collect();
         let problems = &mut self.builder.problems;
+        for (written, meant) in &self.slips {
+            let place = root.place.key(written).of_key();
+            problems.push(sections::unknown_key(place, written, "the model", did_you_mean(written, [*meant])));
+        }
         if !root.only(&known, "the model", problems) {
             return;
         }
@@ -260,6 +318,14 @@ impl Resolver<'_> {
                 problems.push(problem);
             }
         }
+        for problem in &mut problems {
+            if let Some(Step::Key(key)) = problem.place.path.first_mut()
+                && let Some((written, _)) = self.slips.iter().find(|(_, meant)| meant == key)
+            {
+                key.clone_from(written);
+            }
+        }
+        told_once(&mut problems);
         if !problems.iter().all(leaves_equations) {
             return (None, problems);
         }

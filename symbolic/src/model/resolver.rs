@@ -21,6 +21,10 @@ use crate::expr::Id;
 use crate::file::{Node, Spot, Text, Written};
 use crate::language::is_reserved;
 
+/// Sections whose keys are names that stand in expressions.
+const DECLARING: [&str; 10] =
+    ["sizes", "parameters", "coordinates", "states", "inputs", "define", "frames", "points", "bodies", "memory"];
+
 /// A model half resolved.
 pub struct Resolver<'a> {
     /// The file.
@@ -49,6 +53,8 @@ pub struct Resolver<'a> {
     pub blocks: Blocks,
     /// Whether what every body does to a balance is to be a part of its own.
     pub in_parts: bool,
+    /// Sections that are misspelt: as written, and as meant.
+    pub slips: Vec<(String, &'static str)>,
     /// The result so far.
     pub model: Model,
     names: usize,
@@ -71,6 +77,7 @@ impl<'a> Resolver<'a> {
             files: files.clone(),
             blocks: Blocks::default(),
             in_parts: false,
+            slips: Vec::new(),
             model: Model::default(),
             names: 0,
         }
@@ -79,8 +86,30 @@ impl<'a> Resolver<'a> {
     /// The entries of a section, empty where the file has none.
     pub fn section(&mut self, key: &str) -> Vec<(&'a str, Spot<'a>)> {
         match self.root.get(key) {
-            Some(spot) => spot.entries(&mut self.builder.problems),
+            Some(spot) => {
+                if !spot.is_mapping() && DECLARING.contains(&key) {
+                    self.refuse_words(spot.node);
+                }
+                spot.entries(&mut self.builder.problems)
+            }
             None => Vec::new(),
+        }
+    }
+
+    /// Makes the uses of names silent that a section of the wrong shape was to declare: `coordinates: x, y`, `[x, y]`, `- x: m`.
+    fn refuse_words(&mut self, node: &Node) {
+        let names = match node {
+            Node::Null => Vec::new(),
+            Node::Scalar(text) => text.split(',').collect(),
+            Node::Map(entries) => entries.iter().map(|(key, _)| key.as_str()).collect(),
+            Node::List(items) => return items.iter().for_each(|item| self.refuse_words(item)),
+        };
+        for name in names {
+            let end = |c: char| !(c.is_alphanumeric() || c == '_');
+            let name = name.trim().split(end).next().unwrap_or_default();
+            if !name.is_empty() && !self.scope.names.contains_key(name) {
+                self.refuse_name(name, Section::Definition);
+            }
         }
     }
 

@@ -394,6 +394,63 @@ fn one_mistake_one_message() {
     refused("define: {\"a[i in 1..two]\": 1, b: \"a[1]\"}\noutputs: {c_: b, d: \"2*a[2]\"}", "E201", "two");
 }
 
+/// Sections that are misspelt, or of another shape than a mapping, declare their names all the same, and a name that is declared nowhere
+/// is told once.
+#[test]
+fn a_section_that_is_not_read_makes_no_other_wrong() {
+    let balanced = format!("{BASE}balances: {{equations: [{{moment: {{about: O, of: [rod]}}}}]}}\n");
+    let outputs = "outputs: {a: m*x', b: l*phi'}\nscene: {start: {x: 1}}\n";
+    for (section, slip) in
+        [("parameters:", "parameter:"), ("coordinates:", "coordinate:"), ("bodies:", "bodys:"), ("sizes:", "size:")]
+    {
+        let text = format!("{balanced}{outputs}").replace(section, slip);
+        let found = marked(&text);
+        assert_eq!(found[0], ("E301", slip.trim_end_matches(':').to_owned()));
+        assert!(found[1..].iter().all(|(code, _)| *code == "E414"), "{found:?}");
+    }
+    let free = "name: Test\nparameters: {m: 1 kg}\ncoordinates: {x: m}\nbodies: {bead: {mass: m, position: \"[x, 0]\"}}\n\
+                balances: {equations: [{force: {of: [bead], along: ground.x}}]}\nscene: {start: {x: 1}}\n";
+    assert_eq!(marked(free), []);
+    for shape in ["x", "[x]", "[x: m]"] {
+        let text = free.replace("{x: m}", shape);
+        let codes: Vec<&str> = marked(&text).iter().map(|(code, _)| *code).collect();
+        assert_eq!(codes, ["E304"], "{shape}");
+    }
+    let problems = load(&free.replace("{x: m}", "{y: m}"), &[]).unwrap_err();
+    let codes: Vec<&str> = problems.iter().map(|problem| problem.code).collect();
+    assert_eq!(codes, ["E201", "E410"]);
+    let twice = load(&format!("{BASE}define: {{a: thta + 1, b: thta}}\noutputs: {{c_: 2*thta}}\n"), &[]).unwrap_err();
+    assert_eq!((twice.len(), &*twice[0].label), (1, "not declared; it stands in 2 other places too"));
+    // One scene in the place of several.
+    let one = "scenes: {start: {x: 0, phi: 1}, until: 3}";
+    assert_eq!(marked(&format!("{BASE}{one}\n")), [("E304", "scenes".to_owned())]);
+}
+
+#[test]
+fn helps_name_what_is_meant() {
+    let help = |more: &str| load(&format!("{BASE}{more}\n"), &[]).unwrap_err()[0].help.clone();
+    for (more, part) in [
+        ("define: {a: \"max(0 x)\"}", "`0, x` or `0*x`"),
+        ("define: {a: \"[x y]\"}", "`x, y` or `x*y`"),
+        ("define: {a: (x y)}", "did you mean `x*y`?"),
+        ("outputs: {a: energi}", "did you mean `energy`?"),
+        ("forces: {f: {on: bead, force: y}}", "`ground.y`"),
+        ("springs: {s: {stretch: x, stiffness: 1 N/m, on: bead}}", "add `along: e`"),
+        ("dampers: {d: {rate: x', damping: 1 N*s/m, on: bead}}", "add `along: e`"),
+        ("constraints: {c_: x}\nevents: {e: {when: x, then: bounce}}", "`{impact: e, along: c}`"),
+    ] {
+        assert!(help(more).contains(part), "{more}: {}", help(more));
+    }
+    let parameters =
+        |value: &str| load(&BASE.replace("k: 2*m", &format!("k: {value}")), &[]).unwrap_err()[0].help.clone();
+    assert_eq!(parameters("25 kgs"), "did you mean `kg`?");
+    assert_eq!(parameters("25 kgg"), "did you mean `kg`?");
+    assert!(parameters("[1, 2]").contains("`define: {k: …}`") && parameters("\"[1, 2]\"").contains("`define: {k: …}`"));
+    let solid = "name: Top\ncoordinates: {a: rad}\nframes: {F: {rotate: [z, a]}}\n\
+                 bodies: {b: {mass: 1, inertia: \"[1, 1, 1]\", frame: F, position: [0, 0, 0]}}\n";
+    assert_eq!(load(solid, &[]).unwrap_err()[0].help, "leave out the quotes: `[1, 1, 1]`");
+}
+
 #[test]
 fn all_problems_at_once() {
     let text = format!("{BASE}define: {{a: thta}}\nsprings: {{s: {{between: [P, O]}}}}\nscene: {{start: {{zz: 1}}}}\n");

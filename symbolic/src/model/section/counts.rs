@@ -6,6 +6,7 @@ use crate::diagnose::catalogue::mechanics;
 use crate::diagnose::counted;
 use crate::expr::{Id, Symbol, substitute};
 use crate::model::expression::facts::Depends;
+use crate::model::resolve::leaves_equations;
 use crate::model::resolved::{BalanceSystem, Constraint};
 use crate::model::resolver::Resolver;
 use crate::model::section::contacts::ContactText;
@@ -14,6 +15,10 @@ impl Resolver<'_> {
     /// Whether equations and active constraints are as many as accelerations, reactions and the multipliers that stand
     /// in the equations, in each phase; reports the first phase in which they are not.
     pub fn determines(&mut self, system: &BalanceSystem) -> bool {
+        // What is not as it is meant is not counted.
+        if !self.builder.problems.iter().all(leaves_equations) {
+            return false;
+        }
         let equations: usize = system.balances.iter().map(|b| b.components).sum();
         let reactions: usize = system.reactions.iter().map(|&k| self.scope.reactions[k].components).sum();
         let (accelerations, states) = (self.model.mechanical(), self.model.states.len());

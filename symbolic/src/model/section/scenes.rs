@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use super::parameters::flat;
 use super::watched::Watched;
-use crate::diagnose::Place;
 use crate::diagnose::catalogue::{mechanics, names, sections, units};
+use crate::diagnose::{Place, Problem};
 use crate::expr::{Id, Rational};
 use crate::file::{Node, Quantity, Spot};
 use crate::model::expression::dimension::Dimension;
@@ -70,7 +70,16 @@ impl Resolver<'_> {
         let scene = self.scene("scene", &[&default], &mut held);
         self.model.scenes.push(scene);
         let mut seen = BTreeMap::from([("scene".to_owned(), ())]);
-        for (key, spot) in self.section("scenes") {
+        let further = self.section("scenes");
+        if !further.is_empty() && further.iter().all(|(key, _)| SCENE_KEYS.contains(key)) {
+            // One scene, which its plural does not name.
+            let place = self.root.place.key("scenes").of_key();
+            let problem = sections::wrong_shape(place, "`scenes`", "a mapping of scenes by their names", "one scene");
+            self.builder.problems.push(Problem { help: "write `scene:`".to_owned(), ..problem });
+            self.equilibrium();
+            return held;
+        }
+        for (key, spot) in further {
             let Some(name) = self.label(key, &spot, "`scenes`") else { continue };
             let fresh = self.unique(&mut seen, &name, "`scenes`", &spot.place);
             if fresh && self.check_scene(&spot) {
