@@ -27,6 +27,10 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
             continue;
         }
         let distance = if candidate.to_lowercase() == lower { 0 } else { damerau_levenshtein(name, candidate) };
+        // Of two letters that differ in the first nothing is left.
+        if distance > 0 && length <= 2 && !lower.starts_with(|c| candidate.to_lowercase().starts_with(c)) {
+            continue;
+        }
         let closer = best.is_none_or(|(least, _)| distance < least);
         if distance <= allowed && distance < length.max(size) && closer {
             best = Some((distance, candidate));
@@ -112,6 +116,10 @@ mod tests {
         assert_eq!(nearest("x", ["y"]), None);
         assert_eq!(nearest("", ["y"]), None);
         assert_eq!(nearest("mass", ["theta"]), None);
+        assert_eq!(
+            (nearest("zu", ["mu"]), nearest("l", ["ln"]), nearest("m1", ["m2"])),
+            (None, Some("ln"), Some("m2"))
+        );
         assert_eq!(did_you_mean("mass", ["theta"]), "");
         assert_eq!(did_you_mean_or("mass", &["a", "b"]), "it is one of `a`, `b`");
         assert_eq!(did_you_mean_or("mass", &[]), "there is none");

@@ -5,9 +5,9 @@ use super::suspects::{Known, Suspect};
 use super::system::{Assembled, Change, Row, evaluate};
 use crate::derive::momentum::{Momentum, unknowns};
 use crate::derive::rates;
-use crate::diagnose::listed;
+use crate::diagnose::{listed, quoted};
 use crate::expr::{Graph, Measured, Symbol, vectors};
-use crate::model::{BalanceSystem, Model, Part};
+use crate::model::{BalanceSystem, HIDDEN, Model, Part};
 
 /// A system of more coefficients times parts than this is not searched.
 const WORK: usize = 20_000_000;
@@ -98,7 +98,27 @@ impl<'a> Causes<'a> {
         let labels: Vec<String> = suspect.balances.iter().map(|b| self.system.balances[*b].label.clone()).collect();
         let tried = if self.searched { "no single term explains it; " } else { "" };
         let (where_to, what) = (listed(&labels), what_to_look_for(&labels));
-        format!("{tried}look in {where_to} {what}; or in the bodies, for masses, inertias and positions")
+        let constraints = self.constraints();
+        format!("{tried}look in {where_to} {what}; or in the bodies, for masses, inertias and positions{constraints}")
+    }
+
+    /// The constraints that Lagrange's equations keep and the balances know by their reactions alone.
+    fn constraints(&self) -> String {
+        let active = self.system.phases.iter().flat_map(|phase| &self.model.phases[*phase].constraints);
+        let mut names: Vec<&str> = active.map(|place| self.model.constraints[*place].name.as_str()).collect();
+        names.retain(|name| !name.starts_with(HIDDEN));
+        names.sort_unstable();
+        names.dedup();
+        match names.as_slice() {
+            [] => String::new(),
+            [name] => format!("; or in the constraint `{name}`: how its reaction acts follows from its expression"),
+            names => {
+                format!(
+                    "; or in the constraints {}: how their reactions act follows from their expressions",
+                    quoted(names)
+                )
+            }
+        }
     }
 
     /// The changes of a balance that multiply by a factor, with their words: terms, products of them as they are written, and

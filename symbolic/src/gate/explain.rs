@@ -110,8 +110,11 @@ pub(super) fn explain(
     if let Some(name) = moving {
         help.push(format!("the energies contain `{name}`, so the energy is not conserved"));
     }
-    let homeless =
-        |k: usize| !invariant.counts_energy || evidence.nature(&evidence.effects[k]) != Some(&Nature::Potential);
+    // Beside balances a potential has no place in `potential_energy`, and a motor is no spring.
+    let homeless = |k: usize| {
+        let has_place = evidence.model.balances.is_empty() && invariant.counts_energy;
+        !has_place || evidence.nature(&evidence.effects[k]) != Some(&Nature::Potential)
+    };
     let forces: Vec<usize> = causes.iter().map(|c| c.0).filter(|k| homeless(*k)).collect();
     if let Some(when) = switched_off(graph, evidence, &forces, states) {
         let or = if help.is_empty() { "" } else { "or " };

@@ -1,6 +1,6 @@
 //! A position among tokens, what was wrong before it, and how that is told.
 
-use super::function::at_another_time;
+use super::function::{at_another_time, function};
 use super::token::{Kind, Token, shorten, tokens};
 use crate::diagnose::{Problem, catalogue::syntax};
 
@@ -129,11 +129,32 @@ impl<'a> Parser<'a> {
                 at_another_time(&self.rate_before()),
             ),
             Kind::Number | Kind::Name | Kind::Open | Kind::OpenBracket => {
-                syntax::missing_operator(place, shorten(left.text), shorten(right.text), product(left, right))
+                let help = product(left, right, self.is_in_list());
+                syntax::missing_operator(place, shorten(left.text), shorten(right.text), help)
             }
             _ => return self.unexpected(expected),
         };
         self.report(problem)
+    }
+
+    /// Whether commas may stand before the next token: in `[…]`, and between arguments.
+    fn is_in_list(&self) -> bool {
+        let mut closed = 0;
+        let open = self.tokens[..self.at].iter().rposition(|token| match token.kind {
+            Kind::Close | Kind::CloseBracket => {
+                closed += 1;
+                false
+            }
+            Kind::Open | Kind::OpenBracket => {
+                closed -= 1;
+                closed < 0
+            }
+            _ => false,
+        });
+        open.is_some_and(|open| {
+            let called = open.checked_sub(1).and_then(|before| function(self.tokens[before].text));
+            self.tokens[open].kind == Kind::OpenBracket || called.is_some_and(|function| function.most > 1)
+        })
     }
 
     /// `x'` of a name with primes that ends before the next token.
@@ -159,8 +180,8 @@ impl<'a> Parser<'a> {
     }
 }
 
-/// "did you mean `2*x`?"
-fn product(left: Token<'_>, right: Token<'_>) -> String {
+/// "did you mean `2*x`?", or in a list "did you mean `2, x` or `2*x`?"
+fn product(left: Token<'_>, right: Token<'_>, is_in_list: bool) -> String {
     if left.kind == Kind::Number && right.kind == Kind::Name && super::parse_unit(right.text).is_ok() {
         let radians = in_radians(left.text).filter(|_| right.text == "deg");
         let radians = radians.map_or_else(String::new, |radians| format!("write `{radians}`, or "));
@@ -173,10 +194,12 @@ fn product(left: Token<'_>, right: Token<'_>) -> String {
         Kind::OpenBracket => "[…]".to_owned(),
         _ => shorten(right.text),
     };
-    match left.kind {
-        Kind::Number | Kind::Name => format!("did you mean `{}*{right_text}`?", shorten(left.text)),
-        _ => format!("did you mean `…{}*{right_text}`?", left.text),
-    }
+    let left_text = match left.kind {
+        Kind::Number | Kind::Name => shorten(left.text),
+        _ => format!("…{}", left.text),
+    };
+    let comma = if is_in_list { format!("`{left_text}, {right_text}` or ") } else { String::new() };
+    format!("did you mean {comma}`{left_text}*{right_text}`?")
 }
 
 /// A number of degrees in radians: `pi/6` of 30, `25*pi/180` of 25.

@@ -305,7 +305,11 @@ fn help(name: &str) -> String {
 /// Two units that are written without `*` between them: `Nm`, `Nmm`.
 fn product(name: &str) -> Option<(&str, &str)> {
     let first = FACTORS.iter().filter_map(|first| Some((*first, name.strip_prefix(first)?)));
-    first.into_iter().find(|(_, second)| COMMON.contains(second))
+    let is_apart = |first: &str, second: &str| match (named(first), named(second)) {
+        (Some(first), Some(second)) => first.dimension != second.dimension,
+        _ => true,
+    };
+    first.into_iter().find(|(first, second)| COMMON.contains(second) && is_apart(first, second))
 }
 
 /// What products of units begin with.
@@ -339,6 +343,11 @@ const MEANT: &[(&str, &str)] = &[
     ("foot", "ft"),
     ("feet", "ft"),
     ("lbs", "lb"),
+    ("kgs", "kg"),
+    ("gs", "g"),
+    ("rads", "rad"),
+    ("degs", "deg"),
+    ("mins", "min"),
     ("kmh", "km/h"),
     ("kph", "km/h"),
     ("mps", "m/s"),

@@ -241,6 +241,9 @@ impl ExprBuilder {
                 let mut problem = names::not_a_vector(place, value.describe());
                 if let Written::One(text) = written {
                     problem.help = with_components(scope.dimension, &text.source);
+                    if let axis @ ("x" | "y" | "z") = text.source.trim() {
+                        problem.help += &format!("; the direction of the axis is `ground.{axis}`");
+                    }
                 }
                 self.problems.push(problem);
                 None

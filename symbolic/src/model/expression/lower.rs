@@ -406,10 +406,12 @@ impl<'a> Lower<'a> {
     /// A name that means nothing here.
     pub(super) fn unknown(&mut self, name: &str, span: Span) -> Value {
         let locals = self.locals.iter().map(|(local, _)| local.as_str());
-        let known = self.scope.candidates().chain(locals).filter(|known| self.may_stand_here(known));
+        let energies = ["energy", "kinetic_energy", "potential_energy"].into_iter().filter(|_| self.rules.energy);
+        let known = self.scope.candidates().chain(locals).chain(energies).filter(|known| self.may_stand_here(known));
         let known = match nearest(name, known) {
             Some(near) if function(near).is_some() => format!("did you mean `{near}(…)`?"),
             Some(near) => format!("did you mean `{near}`?"),
+            None if matches!(name, "x" | "y" | "z") => format!("an axis of the ground is `ground.{name}`"),
             None => String::new(),
         };
         // A rate that may not stand here is not proposed, and nothing that is written like its name either.

@@ -426,7 +426,13 @@ fn fixed(turn: &Spot<'_>, problems: &mut Vec<Problem>) -> Option<(Axis, Text)> {
 fn moments(spot: &Spot<'_>, problems: &mut Vec<Problem>) -> Option<Vec<Quantity>> {
     let rows = spot.items().filter(|rows| rows.len() == 3);
     let Some(rows) = rows else {
-        problems.push(mechanics::not_moments(spot.place.clone(), describe(spot.node)));
+        let mut problem = mechanics::not_moments(spot.place.clone(), describe(spot.node));
+        if let Node::Scalar(text) = spot.node
+            && text.trim_start().starts_with('[')
+        {
+            problem.help = format!("leave out the quotes: `{}`", text.trim());
+        }
+        problems.push(problem);
         return None;
     };
     let mut moments = Vec::new();

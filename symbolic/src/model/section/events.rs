@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::diagnose::catalogue::{mechanics, memory, names, sections};
-use crate::diagnose::{Place, did_you_mean_or};
+use crate::diagnose::{Place, did_you_mean_or, nearest, quoted};
 use crate::expr::Id;
 use crate::file::{Node, Quantity, Spot, Text};
 use crate::language::{AstKind, parse};
@@ -167,7 +167,11 @@ impl Resolver<'_> {
         }
         let phases = self.scope.phase_names.keys().map(String::as_str);
         let known: Vec<&str> = ["stop", "record"].into_iter().chain(phases).collect();
-        let help = did_you_mean_or(words, &known);
+        let near = nearest(words, known.iter().copied()).map(|near| format!("did you mean `{near}`?"));
+        let help = near.unwrap_or_else(|| {
+            let words = quoted(&known);
+            format!("it is one of {words}, or `{{impact: e, along: c}}` where something strikes, or `{{set: {{name: value}}}}`")
+        });
         let what = "something that an event can do";
         self.builder.problems.push(sections::unknown_choice(item.place.clone(), words, what, help));
         None

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::resolve_values::Want;
-use crate::diagnose::Place;
 use crate::diagnose::catalogue::{names, sections, units};
+use crate::diagnose::{Place, Problem};
 use crate::expr::Number;
 use crate::file::{Quantity, Spot, Text, Written};
 use crate::language::{Ast, AstKind, Unit};
@@ -174,11 +174,7 @@ pub fn values(
 ) -> Option<Vec<Quantity>> {
     if let Some(items) = spot.items() {
         if !family.ranged {
-            let (name, count) = (&family.key.name, items.len());
-            spot.wrong_shape(
-                &format!("one number, or with these {count} a family `{name}[i in 1..{count}]`"),
-                problems,
-            );
+            problems.push(no_number(spot, &family.key.name, items.len()));
             return None;
         }
         let spots = flat(spot);
@@ -193,7 +189,21 @@ pub fn values(
         };
         return list_of(parts.iter().map(part).collect(), family, &spot.place, problems);
     }
+    if let AstKind::Vector(parts) = &value.text.ast.kind {
+        problems.push(no_number(spot, &family.key.name, parts.len()));
+        return None;
+    }
     Some(vec![value; family.members.len()])
+}
+
+/// So many numbers where a parameter wants one.
+fn no_number(spot: &Spot<'_>, name: &str, count: usize) -> Problem {
+    let wanted = format!("one number, or with these {count} a family `{name}[i in 1..{count}]`");
+    let mut problem = sections::wrong_shape(spot.place.clone(), format!("`{name}`"), &wanted, "a list");
+    if matches!(count, 2 | 3) {
+        problem.help = format!("a vector stands in `define`, of parameters or numbers: `define: {{{name}: …}}`");
+    }
+    problem
 }
 
 fn list_of(

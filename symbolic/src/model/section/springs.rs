@@ -259,7 +259,8 @@ impl Resolver<'_> {
         let placement = self.placement(spot);
         let (Some(stretch), Some(stiffness), Some(placement)) = (stretch, stiffness, placement) else { return };
         for member in &family.members {
-            let e = self.scalar(&stretch, Rules::potential("a stretch").like(placement.unit(self)), &member.locals);
+            let rules = Rules::potential("a stretch").like(placement.unit(self));
+            let e = self.directed(&placement, &stretch, rules, &member.locals);
             let wanted = self.per_square(Dimension::ENERGY);
             let k = self.scalar(&stiffness, Rules::of_time("the stiffness here").like(wanted), &member.locals);
             let (Some(e), Some(k)) = (e, k) else { continue };
@@ -398,12 +399,29 @@ impl Resolver<'_> {
         for member in &family.members {
             let wanted = self.scope.units.rate(placement.unit(self));
             let rules = Rules::mechanical("a rate").like(wanted);
-            let Some(rate) = self.scalar(&rate, rules, &member.locals) else { continue };
+            let Some(rate) = self.directed(&placement, &rate, rules, &member.locals) else { continue };
             let unit = self.per_square(Dimension::POWER);
             let Some(tension) = self.damping(damping, rate, unit, &member.locals) else { continue };
             let Some(pushes) = self.placed_pushes(&placement, tension, &member.locals, drafts) else { continue };
             let work = Work::Resistance { rate, tension };
             drafts.loads.push(Draft { name: member.name(), work, pushes, place: spot.place.clone() });
+        }
+    }
+
+    /// A stretch or a rate; one that is no angle and has no direction lacks this, and nothing else is said of it.
+    fn directed(&mut self, placement: &Placement, text: &Text, rules: Rules, locals: &Locals) -> Option<Id> {
+        let before = self.builder.problems.len();
+        let value = self.scalar(text, rules, locals);
+        let turns = placement.on.is_some() && placement.along.is_none() && placement.axis.is_none();
+        match self.builder.problems.get_mut(before) {
+            Some(problem) if turns && problem.code == "E242" => {
+                problem.help =
+                    "without `along` it is an angle between bodies that turn; along a line it has a direction: add \
+                                `along: e`, such as `along: ground.y`"
+                        .to_owned();
+                None
+            }
+            _ => value,
         }
     }
 
