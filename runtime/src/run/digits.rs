@@ -372,8 +372,15 @@ impl Run {
         let cancelled = output.and_then(|output| digits.cancelled.get(output)).copied().unwrap_or(0.0);
         // What does not begin to move is not lost.
         let moves = self.times.first() != self.times.last();
+        // An output of a unit that nothing moving has is 0 or not as the motion is: of that which holds, what is 0 all the time is 0.
+        let moves = moves && !(output.is_some() && self.rests(column) && digits.worst(self) < KNOWN);
         let lost = moves && error >= value.abs() && error > cancelled.max(LOST * digits.ranges[column]);
         written(value, if lost { f64::INFINITY } else { error })
+    }
+
+    /// Whether a column is exactly 0 at all reported times.
+    fn rests(&self, column: usize) -> bool {
+        self.reported(column).all(|value| *value == 0.0)
     }
 
     /// The time at which the run ended as text: known beforehand, unless an event ended it.
