@@ -318,7 +318,7 @@ pub struct Argument {
     pub role: Role,
     /// True when it depends on time alone.
     pub time_only: bool,
-    /// The spring, damper or force whose direction it tells; else empty.
+    /// The spring, damper or force whose direction it tells, the table whose points it counts; else empty.
     pub load: Text,
     /// Parameters, by their places, that multiply all that it does to the equations of motion: where one of them is 0, as the
     /// stiffness of a spring that is left out, it does nothing.

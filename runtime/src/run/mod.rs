@@ -17,6 +17,7 @@ mod resample;
 mod state;
 mod stepped_over;
 mod symmetry;
+mod tables;
 mod trajectory;
 mod trust;
 

@@ -168,6 +168,7 @@ pub fn simulate_with(
     };
     fill(&mut run);
     run.warn_of_integrals(system);
+    run.warn_of_tables(system);
     if settings.digits {
         let turned_stiff = settings.method == Method::Auto && run.method == Method::Radau5;
         estimate_global_error(system, &Settings { turned_stiff, ..settings.clone() }, &mut run, progress);

@@ -54,6 +54,13 @@ pub enum Warning {
         /// Between which values it was tried.
         range: [f64; 2],
     },
+    /// The argument of a table goes beyond its points, where the table goes on by a rule that nobody measured.
+    LeavesTable {
+        /// The table.
+        table: String,
+        /// When it does so first, s.
+        t: f64,
+    },
     /// The motion began symmetric, which its equations keep, and left the symmetry: what rounding does to it grows.
     LeavesSymmetry {
         /// From when on it is seen, s.
@@ -282,12 +289,12 @@ impl fmt::Display for Loss {
 }
 
 impl Warning {
-    /// True when the other warning says the same, with other numbers; of events, integrals and frames, of the same one.
+    /// True when the other warning says the same, with other numbers; of events, integrals, tables and frames, of the same one.
     pub fn same_kind(&self, other: &Warning) -> bool {
         mem::discriminant(self) == mem::discriminant(other) && self.event() == other.event()
     }
 
-    /// The event, the integral or the frame of which it speaks.
+    /// The event, the integral, the table or the frame of which it speaks.
     fn event(&self) -> Option<&str> {
         match self {
             Warning::Touch { event, .. }
@@ -295,6 +302,7 @@ impl Warning {
             | Warning::Undefined { event, .. }
             | Warning::PastAtStart { event } => Some(event),
             Warning::IntegralUntried { integral, .. } => Some(integral),
+            Warning::LeavesTable { table, .. } => Some(table),
             Warning::NearGimbalLock { lock, .. } => Some(&lock.frame),
             _ => None,
         }
@@ -329,6 +337,11 @@ impl fmt::Display for Warning {
                 short(*low),
                 short(*high),
                 short(*value)
+            ),
+            Warning::LeavesTable { table, t } => write!(
+                f,
+                "the motion leaves the table `{table}` at t = {} s: beyond its points it goes on straight, which no point says",
+                short(*t)
             ),
             Warning::LeavesSymmetry { t, symmetry, by } => write!(
                 f,

@@ -24,7 +24,7 @@ pub struct Argument {
     pub rate: Id,
     /// True when it depends on time and parameters alone.
     pub time_only: bool,
-    /// The spring, damper or force whose direction it tells; else empty.
+    /// The spring, damper or force whose direction it tells, the table whose points it counts; else empty.
     pub load: String,
     /// Free parameters, by their places, that multiply all that it does to the equations of motion.
     pub gates: Vec<u32>,
@@ -120,7 +120,13 @@ fn add(graph: &mut Graph, list: &mut List, of: Watched, roots: &[Id]) {
         match (of, role) {
             // Error control sees the sines of the forces, and the discontinuities are switches.
             (Watched::Motion, Role::Phase | Role::Landmark) => {}
-            (Watched::Motion, role) => push(graph, list, (of, role, value), ""),
+            (Watched::Motion, role) => {
+                let table = match graph.node(value) {
+                    Node::Unary(Unary::Table(table), _) if role == Role::Points => table.name(),
+                    _ => "",
+                };
+                push(graph, list, (of, role, value), table);
+            }
             (_, Role::Phase) => push(graph, list, (of, role, value), ""),
             (_, Role::Points) => points(graph, list, of, value),
             _ => push(graph, list, (of, Role::Landmark, value), ""),
