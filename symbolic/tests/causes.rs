@@ -206,3 +206,34 @@ fn what_is_offered_for_a_balance_that_says_nothing_says_something() {
     let [("E508", 1, help)] = found.as_slice() else { panic!("{found:?}") };
     assert!(help.contains("another point with `about`"), "{help}");
 }
+
+/// A wrong sign in a constraint is in Lagrange's equations, not in the balances.
+#[test]
+fn constraints_are_suspects_too() {
+    let press = "name: CrankPress
+parameters: {r: 80 mm, l: 300 mm, mr: 25 kg, J: 0.6 kg*m^2, T: 40 N*m, g: 9.81 m/s^2}
+coordinates: {phi: rad, y: m}
+points: {O: [0, 0], P: \"r*[cos(phi), sin(phi)]\", S: \"[0, y]\"}
+bodies:
+  crank: {mass: 0, inertia: J, angle: phi, position: O}
+  ram: {mass: mr, position: S}
+gravity: [0, -g]
+torques: {motor: {on: crank, torque: T}}
+constraints: {rod: r^2*cos(phi)^2 + (y + r*sin(phi))^2 - l^2}
+balances:
+  equations:
+    - moment: {about: O, of: [crank]}
+    - force: {of: [ram], along: ground.y}
+  reactions:
+    push: {on: ram, along: unit(S - P), from: crank}
+scene: {start: {phi: 0, phi': 5 rad/s}, guess: {y: 0.29}}
+";
+    let help = |text: &str| judged(load(text, &[]).unwrap()).err().map(|problems| problems[0].help.clone());
+    let found = help(press).expect("a wrong constraint");
+    assert!(found.contains("or in the constraint `rod`"), "{found}");
+    assert_eq!(help(&press.replace("y + r", "y - r")), None);
+    // A motor is no spring: where it has a potential its claim may leave it out.
+    let claim = "conserved: {energy: energy}\n";
+    let found = help(&format!("{}{claim}", press.replace("y + r", "y - r"))).expect("a motor");
+    assert!(found.contains("`when: {T: 0}`"), "{found}");
+}

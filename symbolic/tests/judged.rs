@@ -195,6 +195,26 @@ fn a_partial_derivative_by_time_of_what_moves() {
 }
 
 /// A wrong unit and a wrong output beside a wrong balance: all are told, in the order of the file.
+/// Equations whose units do not fit, and claims that are not as meant, are not judged besides.
+#[test]
+fn what_follows_from_a_mistake_is_not_told() {
+    let file = |more: &str| {
+        format!(
+            "name: Push\nparameters: {{m: 1 kg, F: 1 N, T: 2 N}}\ncoordinates: {{x: m}}\n\
+             bodies: {{a: {{mass: m, position: \"[x, 0]\"}}}}\nforces: {{push: {{on: a, force: \"[F, 0]\"}}}}\n{more}\n"
+        )
+    };
+    let codes = |more: &str| told(&file(more)).into_iter().map(|line| line[..4].to_owned()).collect::<Vec<String>>();
+    assert_eq!(codes("conserved: {energy: {value: energy, when: {F: 0}}}"), [""; 0]);
+    assert_eq!(codes("conserved: {energy: {value: energy, when: {T: 0}}}"), ["E509"]);
+    assert_eq!(codes("conserved: {energy: {value: energy, when: {Fo: 0}}}"), ["E201"]);
+    assert_eq!(codes("balances: {equations: [{equation: \"m*x'' = 2*F\"}]}"), ["E506"]);
+    assert_eq!(codes("balances: {equations: [{equation: \"m*x'' = F*x\"}]}"), ["E241"]);
+    // Another claim is.
+    let two = "conserved: {energy: {value: energy, when: {Fo: 0}}, momentum: m*x'}";
+    assert_eq!(codes(two), ["E201", "E509"]);
+}
+
 #[test]
 fn independent_mistakes_are_told_together() {
     let file = "name: Both\nparameters: {m: 1 kg, l: 1 m, g: 10 m/s^2}\ncoordinates: {theta: rad}\n\

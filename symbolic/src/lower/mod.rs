@@ -212,10 +212,14 @@ pub fn compile_for_runs_from(files: &Files, text: &str, sizes: &[(String, i64)])
             lower(crate::gate::judged_and_explained(model, in_parts)?)
         }
         (Some(model), mut problems) => {
-            // Mistakes beside the equations hide nothing that the gate finds in these; what it finds in equations that are not as meant
-            // follows from them.
+            // Mistakes beside the equations hide nothing that the gate finds in these; what it finds in equations that are not as meant,
+            // or in a claim that is not, follows from them.
             if problems.iter().all(crate::model::is_observed) {
-                problems.extend(crate::gate::judged(model).err().into_iter().flatten());
+                let mut verdicts = crate::gate::judged(model).err().unwrap_or_default();
+                let entry = |problem: &Problem| problem.place.path.get(..2).map(<[_]>::to_vec);
+                let mistaken: Vec<_> = problems.iter().filter_map(entry).collect();
+                verdicts.retain(|verdict| entry(verdict).is_none_or(|entry| !mistaken.contains(&entry)));
+                problems.extend(verdicts);
             }
             crate::file::sort(text, &mut problems);
             Err(problems)

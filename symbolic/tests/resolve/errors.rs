@@ -421,6 +421,9 @@ fn a_section_that_is_not_read_makes_no_other_wrong() {
     assert_eq!(codes, ["E201", "E410"]);
     let twice = load(&format!("{BASE}define: {{a: thta + 1, b: thta}}\noutputs: {{c_: 2*thta}}\n"), &[]).unwrap_err();
     assert_eq!((twice.len(), &*twice[0].label), (1, "not declared; it stands in 2 other places too"));
+    // A name like one that was refused is this one.
+    let numbered = BASE.replace("  rod:", "  1rod:");
+    assert_eq!(marked(&format!("{numbered}outputs: {{a: position(rod)}}\n")), [("E118", "1rod".to_owned())]);
     // One scene in the place of several.
     let one = "scenes: {start: {x: 0, phi: 1}, until: 3}";
     assert_eq!(marked(&format!("{BASE}{one}\n")), [("E304", "scenes".to_owned())]);
@@ -448,6 +451,8 @@ fn helps_name_what_is_meant() {
     assert!(parameters("[1, 2]").contains("`define: {k: …}`") && parameters("\"[1, 2]\"").contains("`define: {k: …}`"));
     let solid = "name: Top\ncoordinates: {a: rad}\nframes: {F: {rotate: [z, a]}}\n\
                  bodies: {b: {mass: 1, inertia: \"[1, 1, 1]\", frame: F, position: [0, 0, 0]}}\n";
+    let turned = solid.replace("[z, a]", "[a, z]").replace('"', "");
+    assert_eq!(load(&turned, &[]).unwrap_err()[0].help, "the axis comes first");
     assert_eq!(load(solid, &[]).unwrap_err()[0].help, "leave out the quotes: `[1, 1, 1]`");
 }
 

@@ -408,7 +408,12 @@ impl<'a> Lower<'a> {
         let locals = self.locals.iter().map(|(local, _)| local.as_str());
         let energies = ["energy", "kinetic_energy", "potential_energy"].into_iter().filter(|_| self.rules.energy);
         let known = self.scope.candidates().chain(locals).chain(energies).filter(|known| self.may_stand_here(known));
-        let known = match nearest(name, known) {
+        let near = nearest(name, known);
+        if near.and_then(|near| self.scope.names.get(near)).is_some_and(|entry| entry.refused) {
+            // It is meant, and told of already.
+            return Value::Poison;
+        }
+        let known = match near {
             Some(near) if function(near).is_some() => format!("did you mean `{near}(…)`?"),
             Some(near) => format!("did you mean `{near}`?"),
             None if matches!(name, "x" | "y" | "z") => format!("an axis of the ground is `ground.{name}`"),

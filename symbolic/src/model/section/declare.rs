@@ -260,10 +260,14 @@ impl Resolver<'_> {
                 problems.push(mechanics::not_a_turn(turn.place.clone(), describe(turn.node)));
                 return None;
             };
+            if is_axis(angle.node) && !is_axis(axis.node) {
+                let mut problem = mechanics::not_a_turn(turn.place.clone(), "an angle and an axis");
+                problem.help = "the axis comes first".to_owned();
+                problems.push(problem);
+                return None;
+            }
             let axis = match axis.node {
-                Node::Scalar(name) if matches!(name.as_str(), "x" | "y" | "z") => {
-                    Axis::Own(usize::from(name.as_bytes()[0] - b'x'))
-                }
+                Node::Scalar(name) if is_axis(axis.node) => Axis::Own(usize::from(name.as_bytes()[0] - b'x')),
                 _ => Axis::Direction(axis.written(problems)?),
             };
             turned.push((axis, angle.text(problems)?));
@@ -403,6 +407,11 @@ impl Resolver<'_> {
     pub fn no_locals() -> Rc<Vec<(String, Local)>> {
         Rc::new(Vec::new())
     }
+}
+
+/// Whether a node names an axis of a frame.
+fn is_axis(node: &Node) -> bool {
+    matches!(node, Node::Scalar(name) if matches!(name.as_str(), "x" | "y" | "z"))
 }
 
 /// A fixed turn, `{quaternion: [w, x, y, z]}`.
