@@ -30,7 +30,7 @@ use crate::derive::{Derivation, Equations, Switch, held_rates, rates};
 use crate::diagnose::Problem;
 use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary, jacobian, logarithms_without_overflow, reverse, substitute};
 use crate::gate::{Judged, Report};
-use crate::model::{Contact, Files, Model, Scene, Shape};
+use crate::model::{Contact, Files, Model, Scene, Shape, is_observed, is_of_units};
 
 pub use arguments::{Argument, Role, Watched};
 pub use constraints::Constraints;
@@ -214,10 +214,11 @@ pub fn compile_for_runs_from(files: &Files, text: &str, sizes: &[(String, i64)])
         (Some(model), mut problems) => {
             // Mistakes beside the equations hide nothing that the gate finds in these; what it finds in equations that are not as meant,
             // or in a claim that is not, follows from them.
-            if problems.iter().all(crate::model::is_observed) {
+            if problems.iter().all(is_observed) {
                 let mut verdicts = crate::gate::judged(model).err().unwrap_or_default();
                 let entry = |problem: &Problem| problem.place.path.get(..2).map(<[_]>::to_vec);
-                let mistaken: Vec<_> = problems.iter().filter_map(entry).collect();
+                let mistaken: Vec<_> =
+                    problems.iter().filter(|problem| !is_of_units(problem)).filter_map(entry).collect();
                 verdicts.retain(|verdict| entry(verdict).is_none_or(|entry| !mistaken.contains(&entry)));
                 problems.extend(verdicts);
             }

@@ -20,6 +20,7 @@ mod ways;
 pub use command::Sets;
 pub use contact::{Contact, ContactMode, ImpactLaw, MOST_COMBINATIONS, are_single, modes_of_phases};
 pub use event::{Clock, Event, EventAction, HeldValue, Noise, Set, Target, Trigger};
+pub(crate) use expression::builder::is_of_units;
 pub use files::Files;
 pub use gimbals::Gimbal;
 pub use identifier::{KEYWORDS, METHODS, field_name, is_snake_case, local_name, method_name, type_name};
