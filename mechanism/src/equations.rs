@@ -38,6 +38,8 @@ pub trait Equations<const N: usize, const C: usize>: Clone + Send + Sync {
     const PHASES: usize;
     /// How many held values follow these.
     const MEMORY: usize = 0;
+    /// Whether there is [`Equations::eliminated`].
+    const ELIMINATES: bool = false;
 
     /// Names, shapes and structure.
     fn description() -> &'static Description;
@@ -105,6 +107,24 @@ pub trait Equations<const N: usize, const C: usize>: Clone + Send + Sync {
         v: &[S; N],
         a: &mut [S; N],
     ) -> Result<(), SingularMass>;
+    /// Accelerations and multipliers where all rows of the constraints act and are independent, by elimination over shared velocities; for each
+    /// coordinate a pivot and what that must not be negligible against, and for each row J M⁻¹ Jᵀ of what the rows before it leave, and without what these
+    /// take.
+    fn eliminated<S: Real>(
+        c: &Self::Constants<S>,
+        t: S,
+        u: &[S],
+        q: &[S; N],
+        v: &[S; N],
+        a: &mut [S; N],
+        l: &mut [S; C],
+        pivots: &mut [S; N],
+        sizes: &mut [S; N],
+        mobilities: &mut [S; C],
+        alone: &mut [S; C],
+    ) {
+        let _ = (c, t, u, q, v, a, l, pivots, sizes, mobilities, alone);
+    }
     /// The accelerations of the coordinates of one of `description().parts`, of whose state alone they are computed.
     ///
     /// # Errors

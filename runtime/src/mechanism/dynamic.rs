@@ -312,6 +312,18 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
         self.free(t, array(q), array(v), array_mut(a))
     }
 
+    fn eliminated(&self, at: At<'_>, a: &mut [f64], lambda: &mut [f64]) -> bool {
+        if !M::ELIMINATES {
+            return false;
+        }
+        let (u, lambda) = (self.input_block(at.t), lambda.try_into().expect(WIDTH));
+        let ((mut pivots, mut sizes), (mut mobilities, mut alone)) = (([0.0; N], [0.0; N]), ([0.0; C], [0.0; C]));
+        let (q, v, a) = (array(at.q), array(at.v), array_mut(a));
+        let (c, u) = (&self.constants, u.as_ref());
+        M::eliminated(c, at.t, u, q, v, a, lambda, &mut pivots, &mut sizes, &mut mobilities, &mut alone);
+        self.phased.is_clear((&pivots, &sizes), (&mobilities, &alone))
+    }
+
     fn part_accelerations(&self, part: usize, at: At<'_>, a: &mut [f64]) -> Result<(), Singular> {
         if self.phased.disturbance != 0.0 {
             return self.accelerations(at, a);

@@ -3,6 +3,7 @@
 use std::sync::{Mutex, PoisonError};
 
 use super::dense::constraint_triples;
+use super::kkt::LOPSIDED;
 use super::{At, Energy, Enforcement, KktSolver, Singular, System, rows_in_force};
 
 /// What the motion so far tells of the constraints' rows; lists are empty where it tells nothing.
@@ -36,6 +37,10 @@ pub(super) struct Phased {
     /// Nobody waits for it: whoever evaluates in parallel has a mechanism of its own.
     form: Mutex<KktSolver>,
 }
+
+/// A row that its multiplier moves by less than this part of the most, as a length, loses digits or is soon left out, and so does a coordinate of
+/// which no more inertia is left: these are for M and J with pivots.
+const CLEAR: f64 = 1.0 / LOPSIDED;
 
 /// What a mechanism does alike whether it is compiled or interpreted, of its fields `phased`, `signals`, `sliding` and `derivation`.
 macro_rules! shared_by_systems {
@@ -164,6 +169,22 @@ impl Phased {
         forces.iter_mut().zip(errors).zip(times).for_each(|((force, error), times)| *force += times * error);
     }
 
+    /// Whether accelerations and multipliers by elimination are as good as those by M and J: where coordinates keep a [`CLEAR`] part of their inertia, and
+    /// rows of what their multipliers move them by, alone and at most so far.
+    pub fn is_clear(&self, (pivots, sizes): (&[f64], &[f64]), (mobilities, alone): (&[f64], &[f64])) -> bool {
+        let keeps = |(left, all): (&f64, &f64)| *left > CLEAR.powi(2) * all.abs();
+        let moves = |(mobility, norm): (&f64, &f64)| *mobility > (CLEAR * norm).powi(2);
+        self.history.norms.len() == mobilities.len()
+            && pivots.iter().zip(sizes).chain(mobilities.iter().zip(alone)).all(keeps)
+            && mobilities.iter().zip(&self.history.norms).all(moves)
+    }
+
+    /// Accelerations and multipliers by elimination, where these are all that is asked for; false where they are not known, or not good.
+    fn eliminated<S: System + ?Sized>(&self, system: &S, at: At<'_>, a: &mut [f64], lambda: &mut [f64]) -> bool {
+        let plain = self.enforcement == Enforcement::Multipliers && self.alpha == 0.0 && self.disturbance == 0.0;
+        plain && rows_in_force(system).count() == lambda.len() && system.eliminated(at, a, lambda)
+    }
+
     /// Accelerations and multipliers; where rows depend on each other the least multipliers.
     pub fn reactions<S: System + ?Sized>(
         &self,
@@ -172,6 +193,9 @@ impl Phased {
         a: &mut [f64],
         lambda: &mut [f64],
     ) -> Result<(), Singular> {
+        if self.eliminated(system, at, a, lambda) {
+            return Ok(());
+        }
         self.accelerations_and_multipliers(system, at, a, lambda)?;
         if self.enforcement == Enforcement::Multipliers {
             self.form.lock().unwrap_or_else(PoisonError::into_inner).spread(system, lambda);
@@ -187,6 +211,9 @@ impl Phased {
         a: &mut [f64],
         lambda: &mut [f64],
     ) -> Result<(), Singular> {
+        if self.eliminated(system, at, a, lambda) {
+            return Ok(());
+        }
         let mut form = self.form.lock().unwrap_or_else(PoisonError::into_inner);
         match self.enforcement {
             Enforcement::Multipliers => form.accelerations_and_multipliers(system, at, self.alpha, a, lambda),

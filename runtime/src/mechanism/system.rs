@@ -127,6 +127,13 @@ pub trait System: Send + Sync {
         self.accelerations(at, a)
     }
 
+    /// The same where all rows act and the motion so far says that they are clearly independent here, by elimination over shared velocities
+    /// without M and J; false where they are not, or no such elimination is known.
+    fn eliminated(&self, at: At<'_>, a: &mut [f64], lambda: &mut [f64]) -> bool {
+        let _ = (at, a, lambda);
+        false
+    }
+
     /// The rates of the accelerations and of all multipliers at a state with its own a and λ, by differentiating the
     /// system that they solve: M ȧ − (Jᵀ + B) λ̇ = −∂F/∂t − …, J ȧ = −…, with a and λ held on the right.  False where they are not
     /// known: no event asks for them, rows depend on each other, or something else than multipliers enforces them.

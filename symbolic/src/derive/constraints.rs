@@ -100,6 +100,12 @@ impl Rows {
         (sums, drive)
     }
 
+    /// Whether rows determine some of n accelerations by themselves: one after the other where a row has one unknown left, or all of them.
+    pub fn determine(&self, n: usize) -> bool {
+        let unknowns = |row: usize| self.matrix.iter().filter(|entry| entry.0 == row).count();
+        self.len() >= n || (0..self.len()).any(|row| unknowns(row) == 1)
+    }
+
     /// J q'' + γ of some rows.
     pub fn accelerations(&self, graph: &mut Graph, rows: &[usize]) -> Vec<Id> {
         let mut sums: Vec<Id> = rows.iter().map(|row| self.bias[*row]).collect();

@@ -9,12 +9,13 @@
 //! asks for), and hᵢ is what acts on coordinates: slopes of potentials, dampers, forces as written.  ∂G/∂q'' = M q'' + h without M being
 //! formed.  A kinetic energy that the file writes out is a sum of products of linear velocities, which are the w; what it adds to h
 //! is d/dt ∂T/∂q' − ∂T/∂q at q'' = 0.
+//! Constraints hold accelerations by J q'' + γ = 0: with multipliers, ∂(G + λ·(J q'' + γ))/∂q'' = 0.
 //! (Gibbs, American Journal of Mathematics 2 (1879) 49; Appell, Journal für die reine und angewandte Mathematik 121 (1900) 310.)
 
 use super::angular::{ByAngularVelocities, Turning};
 use super::body_axes::{self, Moving};
 use super::virtual_power::{Wrench, wrenches};
-use super::{Dynamics, Inertial, bias_rates, lagrange, rates};
+use super::{Dynamics, Inertial, Rows, bias_rates, lagrange, rates};
 use crate::expr::{Graph, Id, Symbol, reverse};
 use crate::model::Rotation;
 
@@ -31,6 +32,8 @@ pub(crate) struct LeastConstraint {
     pub kinetic: Id,
     /// The rotations whose angular velocities are in the place of their numbers' rates.
     pub turning: Vec<Turning>,
+    /// (c', γ) of the constraints' rows, c'' = J q'' + γ = 0 holding the accelerations.
+    pub rows: Vec<(Id, Id)>,
 }
 
 impl LeastConstraint {
@@ -38,6 +41,13 @@ impl LeastConstraint {
     pub(crate) fn of(graph: &mut Graph, dynamics: &Dynamics) -> LeastConstraint {
         LeastConstraint::by_angular_velocities(graph, dynamics)
             .unwrap_or_else(|| LeastConstraint::by_speeds(graph, dynamics))
+    }
+
+    /// What accelerations make least that meet constraints: rows contain rates of rotations' numbers, which stay.
+    pub(crate) fn constrained(graph: &mut Graph, dynamics: &Dynamics, rows: &Rows) -> LeastConstraint {
+        let mut least = LeastConstraint::by_speeds(graph, dynamics);
+        least.rows = rows.rate.iter().copied().zip(rows.bias.iter().copied()).collect();
+        least
     }
 
     fn by_angular_velocities(graph: &mut Graph, dynamics: &Dynamics) -> Option<LeastConstraint> {

@@ -66,6 +66,8 @@ const FUNCTIONS: usize = Function::Inputs as usize + 1;
 struct Tapes {
     functions: Vec<Tape>,
     accelerations: Solved,
+    /// Accelerations, multipliers and what tells whether they are good, where that was eliminated: the lists of [`Eliminated`](crate::lower::Eliminated) one after the other.
+    eliminated: Option<Tape>,
     /// The accelerations and the energies of each part.
     parts: Vec<(Solved, Tape)>,
     /// A's non-zeros, then b, of each system of balances.
@@ -141,7 +143,8 @@ impl Interpreter {
         let part = |part: &Part| (Solved::of(&program, &part.coordinates), Tape::new(graph, &part.energy));
         let parts = program.parts.iter().map(part).collect();
         let balances = program.momentum.iter().map(|s| Tape::new(graph, &[&entries(&s.matrix)[..], &s.right].concat()));
-        let tapes = Tapes { functions, accelerations, parts, balances: balances.collect() };
+        let eliminated = constraints.eliminated.as_ref().map(|found| Tape::new(graph, &found.lists().concat()));
+        let tapes = Tapes { functions, accelerations, eliminated, parts, balances: balances.collect() };
         let parameters = program.model.parameters.iter().map(|p| p.default).collect();
         let modes = vec![1.0; program.switches.len()];
         let phases = (0..program.model.phases.len()).map(|k| if k == 0 { 1.0 } else { 0.0 }).collect();
@@ -183,6 +186,17 @@ impl Interpreter {
             return self.solve(at, a);
         }
         self.solved(&self.tapes.accelerations, at, a)
+    }
+
+    /// The lists of [`Eliminated`](crate::lower::Eliminated), each into one of these; false where there are none.
+    pub fn eliminated<'a>(&self, at: At<'_>, lists: impl IntoIterator<Item = &'a mut [f64]>) -> bool {
+        let Some(tape) = &self.tapes.eliminated else { return false };
+        SCRATCH.with_borrow_mut(|scratch| {
+            tape.fill(|symbol| self.value(symbol, at), scratch);
+            let values = lists.into_iter().flatten().enumerate();
+            values.for_each(|(k, value)| *value = tape.result(scratch, k));
+        });
+        true
     }
 
     /// The accelerations of the coordinates of one of [`Program::parts`].

@@ -3,6 +3,7 @@
 use super::candidates::Chosen;
 use super::magnitude::Magnitudes;
 use super::{Entry, entries, gather, gather_entries};
+use crate::derive::elimination::Solution;
 use crate::derive::{Rows, held_rates};
 use crate::expr::{Graph, Id, Symbol, jacobian, substitute};
 
@@ -31,6 +32,43 @@ pub struct Constraints {
     pub held_rates: Vec<Id>,
     /// −λ·(∂c/∂t or b): the power of moving constraints.
     pub power: Id,
+    /// Accelerations and multipliers where all rows act and are clearly independent, without M and J.
+    pub eliminated: Option<Eliminated>,
+}
+
+/// Accelerations and multipliers by elimination over shared velocities, and what tells whether they are good.
+#[derive(Clone, Debug)]
+pub struct Eliminated {
+    /// q''.
+    pub accelerations: Vec<Id>,
+    /// λ.
+    pub multipliers: Vec<Id>,
+    /// A pivot for each coordinate.
+    pub pivots: Vec<Id>,
+    /// What these must not be negligible against.
+    pub sizes: Vec<Id>,
+    /// For each row J M⁻¹ Jᵀ of what the rows before it leave: how much its multiplier moves it.
+    pub mobilities: Vec<Id>,
+    /// J M⁻¹ Jᵀ without what these take.
+    pub alone: Vec<Id>,
+}
+
+impl Eliminated {
+    /// All lists, in this order.
+    pub fn lists(&self) -> [&[Id]; 6] {
+        let Eliminated { accelerations, multipliers, pivots, sizes, mobilities, alone } = self;
+        [accelerations, multipliers, pivots, sizes, mobilities, alone]
+    }
+}
+
+impl From<Solution> for Eliminated {
+    fn from(solution: Solution) -> Eliminated {
+        let Solution { values: accelerations, mut pivots, multipliers, mobilities } = solution;
+        pivots.sort_unstable_by_key(|pivot| pivot.0);
+        let (pivots, sizes) = pivots.into_iter().map(|(_, pivot, size)| (pivot, size)).unzip();
+        let (mobilities, alone) = mobilities.into_iter().unzip();
+        Eliminated { accelerations, multipliers, pivots, sizes, mobilities, alone }
+    }
 }
 
 impl Constraints {
@@ -85,5 +123,6 @@ pub(super) fn lowered(graph: &mut Graph, rows: Rows, chosen: &mut Chosen) -> Con
         rate_jacobian,
         held_rates: held,
         power: rows.power(graph),
+        eliminated: None,
     }
 }

@@ -158,6 +158,11 @@ pub(super) fn dense_operations(n: usize) -> usize {
     n * n * n / 3 + 2 * n * n
 }
 
+/// Operations of factoring a full M and J M⁻¹ Jᵀ of m rows, and substituting.
+pub(super) fn dense_operations_with_rows(n: usize, m: usize) -> usize {
+    dense_operations(n) + m * n * n + m * m * n + dense_operations(m) + 4 * m * n
+}
+
 /// Operations of eliminating a coordinate that is coupled with so many: its reciprocal, factors and updates.
 fn operations_of_column(degree: usize) -> usize {
     1 + degree + degree * (degree + 1)

@@ -33,7 +33,7 @@ use crate::gate::{Judged, Report};
 use crate::model::{Contact, Files, Model, Scene, Shape, is_observed, is_of_units};
 
 pub use arguments::{Argument, Role, Watched};
-pub use constraints::Constraints;
+pub use constraints::{Constraints, Eliminated};
 pub use count::{Counts, operations};
 pub use elimination::{Cost, Elimination};
 pub use factor::Accelerations;
@@ -263,6 +263,11 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
         true => candidates::without_masses(graph, &equations),
         false => candidates::choose(graph, &equations),
     };
+    let constrained = match rows.is_empty() {
+        true => None,
+        false => elimination::constrained(&mut model, &report, (&dynamics, &rows), (&chosen.mass, &chosen.bias)),
+    };
+    let graph = &mut model.graph;
     let mut constraints = constraints::lowered(graph, rows, &mut chosen);
     chosen.bias = gather::gather(graph, &chosen.bias);
     chosen.residual = gather::gather(graph, &chosen.residual);
@@ -305,13 +310,17 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let drawing = model.draw.iter().flat_map(drawn).collect();
 
     let by_masses = (chosen.mass.as_slice(), chosen.bias.as_slice());
-    let elimination = match found {
-        Some(found) if unformed => {
+    let elimination = match (found, constrained) {
+        (_, Some((solution, words))) => {
+            constraints.eliminated = Some(solution.into());
+            Some(words)
+        }
+        (Some(found), None) if unformed => {
             let (own, taken) = found.take(graph);
             accelerations = own;
             Some(taken)
         }
-        found => found.map(|found| found.choose(graph, by_masses, &mut accelerations)),
+        (found, None) => found.map(|found| found.choose(graph, by_masses, &mut accelerations)),
     };
     let reads = parts::reads(graph, &chosen.residual, &constraints, &switches, &model.events);
     let parts = parts::parts(n, reads.as_deref());

@@ -47,6 +47,7 @@ pub const METHODS: &[&str] = &[
     "description",
     "drawing",
     "drop",
+    "eliminated",
     "energy",
     "eq",
     "equilibrium_guess",

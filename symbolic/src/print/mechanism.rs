@@ -12,7 +12,7 @@ use super::series::recurrences;
 use super::words::comment;
 use super::{contacts, memory, momentum, motions, parts, scenes};
 use crate::expr::{Id, Table2d};
-use crate::lower::{Accelerations, Entry, Program};
+use crate::lower::{Accelerations, Eliminated, Entry, Program};
 use crate::model::{Gimbal, Model, text};
 
 /// Everything that the functions of one mechanism are printed with.
@@ -76,6 +76,10 @@ impl Mechanism<'_> {
             out += &function.text(&self.bodies, "    ");
         }
         out += &self.accelerations(n).text(&self.bodies, "    ");
+        if let Some(eliminated) = &program.constraints.eliminated {
+            out += "\n    const ELIMINATES: bool = true;\n";
+            out += &function_of(eliminated).text(&self.bodies, "    ");
+        }
         out += &parts::parts(program, &self.bodies);
         out += &momentum::balances(program, &self.bodies, self.block);
         out += &memory::memory(program, &self.bodies);
@@ -250,6 +254,20 @@ impl Mechanism<'_> {
             "\n    fn parameters(&self) -> ::std::vec::Vec<f64> {{\n        ::std::vec![{}]\n    }}\n\n    fn parameter_mut(&mut self, {index}) -> ::core::option::Option<&mut f64> {{\n{body}    }}\n",
             values.join(", ")
         )
+    }
+}
+
+/// `fn eliminated(…)`.
+fn function_of(eliminated: &Eliminated) -> Function<'static> {
+    let lists = ["a", "l", "pivots", "sizes", "mobilities", "alone"].into_iter().zip(eliminated.lists());
+    let target =
+        |(name, list): (&'static str, &[Id])| Target { name, kind: format!("&mut [S; {}]", list.len()), used: true };
+    Function {
+        name: "eliminated",
+        state: 2,
+        targets: lists.clone().map(target).collect(),
+        uses: lists.flat_map(|(name, list)| stores(name, list)).collect(),
+        ..Function::default()
     }
 }
 

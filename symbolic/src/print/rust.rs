@@ -173,6 +173,7 @@ impl Program {
             roots.extend(values);
             roots.extend(pivots.iter().flat_map(|p| [p.1, p.2]));
         }
+        roots.extend(constraints.eliminated.iter().flat_map(|found| found.lists().concat()));
         roots
     }
 

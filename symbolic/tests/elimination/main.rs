@@ -20,3 +20,13 @@ fn operations_a_link_are_constant() {
         assert!(middle - short <= 4 * most, "{} {}", &text[..20], middle - short);
     }
 }
+
+/// With constraints, too.
+#[test]
+fn operations_a_loop_are_constant() {
+    for (text, most) in [(models::HINGES, 100), (models::FOUR_BARS, 280)] {
+        let [short, middle, long] = [4, 6, 8].map(|n| table::operations(text, n).0);
+        assert!((long - middle).abs_diff(middle - short) <= 4, "{} {short} {middle} {long}", &text[..20]);
+        assert!(middle - short <= 2 * most, "{} {}", &text[..20], middle - short);
+    }
+}

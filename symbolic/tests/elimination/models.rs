@@ -187,3 +187,41 @@ gravity: [0, 0, -g]
 springs: {tie: {stretch: "norm(p[n] - [l, 0, 0])", stiffness: k}}
 torques: {"drag[i in 1..n]": {on: "bar[i]", torque: "-c*angular_velocity(bar[i])"}}
 "#;
+
+/// A chain of bars in the plane, each in coordinates of its own, by the constraints of its hinges.
+pub const HINGES: &str = r#"
+name: Hinges
+sizes: {n: 3}
+parameters: {m: 1 kg, l: 1 m, I: 0.1 kg*m^2, g: 10 m/s^2}
+coordinates: {"x[i in 1..n]": m, "y[i in 1..n]": m, "phi[i in 1..n]": rad}
+define:
+  "u[i in 1..n]": "l/2*sin(phi[i])"
+  "w[i in 1..n]": "l/2*cos(phi[i])"
+  "ax[0]": 0*l
+  "ay[0]": 0*l
+  "ax[i in 1..n]": "x[i] + u[i]"
+  "ay[i in 1..n]": "y[i] - w[i]"
+bodies: {"bar[i in 1..n]": {mass: m, inertia: I, angle: "phi[i]", position: "[x[i], y[i]]"}}
+gravity: [0, -g]
+constraints: {"px[i in 1..n]": "x[i] - u[i] - ax[i-1]", "py[i in 1..n]": "y[i] + w[i] - ay[i-1]"}
+scene: {guess: {"y[i in 1..n]": "-i*l"}, start: {"phi[1]": 0.5}}
+"#;
+
+/// Four-bars in absolute angles, each on the crank of the one before.
+pub const FOUR_BARS: &str = r#"
+name: FourBars
+sizes: {n: 2}
+parameters: {m: 1 kg, l1: 0.4 m, l2: 1.1 m, l3: 0.8 m, d: 0.9 m, I: 0.1 kg*m^2, g: 10 m/s^2}
+coordinates: {"a[i in 1..n]": rad, "b[i in 1..n]": rad, "c[i in 1..n]": rad}
+define: {"u[i in 1..n]": "l1*cos(a[i])", "v[i in 1..n]": "l1*sin(a[i])"}
+points: {"p[0]": [0, 0], "p[i in 1..n]": "p[i-1] + [u[i], v[i]]"}
+bodies:
+  "crank[i in 1..n]": {mass: m, inertia: I, angle: "a[i]", position: "(p[i-1] + p[i])/2"}
+  "coupler[i in 1..n]": {mass: m, inertia: I, angle: "b[i]", position: "p[i] + [l2/2*cos(b[i]), l2/2*sin(b[i])]"}
+  "rocker[i in 1..n]": {mass: m, inertia: I, angle: "c[i]", position: "p[i-1] + [d + l3/2*cos(c[i]), l3/2*sin(c[i])]"}
+gravity: [0, -g]
+constraints:
+  "cx[i in 1..n]": "u[i] + l2*cos(b[i]) - d - l3*cos(c[i])"
+  "cy[i in 1..n]": "v[i] + l2*sin(b[i]) - l3*sin(c[i])"
+scene: {guess: {"b[i in 1..n]": 0.5, "c[i in 1..n]": 1.6}, start: {"a[i in 1..n]": 0.5}}
+"#;

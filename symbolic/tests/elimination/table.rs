@@ -7,7 +7,7 @@ use dalembert_symbolic::lower::compile;
 use super::models;
 
 /// Mechanisms, with the numbers of links in the table.
-const ROWS: [(&str, &str, [i64; 4]); 9] = [
+const ROWS: [(&str, &str, [i64; 4]); 11] = [
     ("chain, absolute angles", models::ABSOLUTE, [5, 10, 20, 40]),
     ("the same by its energies, balls", models::ENERGIES, [5, 10, 20, 40]),
     ("chain, relative angles", models::RELATIVE, [5, 10, 20, 40]),
@@ -17,6 +17,8 @@ const ROWS: [(&str, &str, [i64; 4]); 9] = [
     ("pendulums in space, spherical angles", models::SPHERICAL, [5, 10, 20, 30]),
     ("bars on universal joints", models::SPACE, [2, 3, 6, 12]),
     ("bars on ball joints, by rotations", models::BALL_JOINTS, [1, 3, 6, 12]),
+    ("bars by the constraints of their hinges", models::HINGES, [2, 5, 10, 20]),
+    ("four-bars, each on the crank of the one before", models::FOUR_BARS, [1, 2, 5, 10]),
 ];
 
 /// The page, with the table in its place.

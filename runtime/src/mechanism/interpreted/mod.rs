@@ -201,6 +201,17 @@ impl System for Interpreted {
         self.interpreter.accelerations(with_inputs(at, &u), a).map_err(|coordinate| SingularMass { coordinate }.into())
     }
 
+    fn eliminated(&self, at: At<'_>, a: &mut [f64], lambda: &mut [f64]) -> bool {
+        let (n, m, u) = (a.len(), lambda.len(), self.input_values(at.t));
+        let mut tests = vec![0.0; 2 * (n + m)];
+        let lists = [a, lambda, &mut tests];
+        if !self.interpreter.eliminated(with_inputs(at, &u), lists) {
+            return false;
+        }
+        let (pivots, mobilities) = tests.split_at(2 * n);
+        self.phased.is_clear(pivots.split_at(n), mobilities.split_at(m))
+    }
+
     fn part_accelerations(&self, part: usize, at: At<'_>, a: &mut [f64]) -> Result<(), Singular> {
         if self.phased.disturbance != 0.0 {
             return self.accelerations(at, a);

@@ -23,7 +23,7 @@ pub(crate) use null_space::Solutions;
 const NOTHING: f64 = 1e-11;
 /// Rows that inertias bring this much nearer to each other lose three digits by it, as by masses that differ by a factor of a thousand; rows
 /// that do depend on each other are brought nearer by far less.
-const LOPSIDED: f64 = 30.0;
+pub(super) const LOPSIDED: f64 = 30.0;
 /// So many roundings may have been made on the way to it: a few for each of the products that are subtracted.
 const ROUNDINGS: f64 = 64.0;
 

@@ -6,7 +6,7 @@ use super::super::LeastConstraint;
 use super::super::angular::Turning;
 use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary, canonical_products, copied};
 
-/// Σ cⱼ xⱼ: variables with their coefficients, in order.  Variables below n are coordinates, the others kept ones.
+/// Σ cⱼ xⱼ: variables with their coefficients, in order.  Variables below n are coordinates; kept ones follow, and the multipliers of rows.
 pub(crate) type Form = Vec<(usize, Id)>;
 
 /// A form Σ wₖₗ yₖ yₗ / 2 + Σ gₖ yₖ + Σ hᵢ xᵢ with the y as linear forms.
@@ -24,6 +24,8 @@ pub(crate) struct Forms {
     pub linear: Vec<(Form, Id)>,
     /// h.
     pub forces: Vec<Id>,
+    /// (c', γ) of the constraints' rows.
+    pub rows: Vec<(Form, Id)>,
     /// As in [`LeastConstraint::turning`].
     pub turning: Vec<Turning>,
 }
@@ -41,8 +43,11 @@ impl Forms {
             .zip(bodies)
             .filter(|((w, u, v), _)| [*w, *u, *v].iter().all(|x| *x != Id::ZERO))
             .unzip();
-        let mut roots: Vec<Id> =
-            products.iter().flat_map(|p| [p.1, p.2]).chain(least.linear.iter().map(|l| l.0)).collect();
+        let mut roots: Vec<Id> = products
+            .iter()
+            .flat_map(|p| [p.1, p.2])
+            .chain(least.linear.iter().chain(&least.rows).map(|l| l.0))
+            .collect();
         roots.sort_unstable();
         roots.dedup();
         let degrees = Degrees::of(graph, roots.iter().copied());
@@ -67,6 +72,7 @@ impl Forms {
             n,
             products: products.iter().map(|(w, u, v)| doubled(graph, (*w, *u, *v), (of(u), of(v)))).collect(),
             linear: least.linear.iter().map(|(y, g)| (of(y), *g)).collect(),
+            rows: least.rows.iter().map(|(y, bias)| (of(y), *bias)).collect(),
             forces: least.forces.clone(),
             turning: least.turning.clone(),
             kept,
@@ -79,13 +85,14 @@ impl Forms {
     pub fn moved(mut self, from: &Graph, in_order: bool) -> (Graph, Forms) {
         let mut graph = Graph::new();
         let mut places: Vec<&mut Id> = Vec::new();
-        let Forms { kept, products, linear, forces, turning, .. } = &mut self;
+        let Forms { kept, products, linear, forces, rows, turning, .. } = &mut self;
         places.extend(kept.iter_mut().flatten().map(|term| &mut term.1));
         for (w, u, v) in products {
             places.push(w);
             places.extend(u.iter_mut().chain(v).map(|term| &mut term.1));
         }
-        places.extend(linear.iter_mut().flat_map(|(form, g)| form.iter_mut().map(|term| &mut term.1).chain([g])));
+        let with_constants = linear.iter_mut().chain(rows);
+        places.extend(with_constants.flat_map(|(form, g)| form.iter_mut().map(|term| &mut term.1).chain([g])));
         places.extend(forces);
         places.extend(turning.iter_mut().flat_map(Turning::expressions));
         let old: Vec<Id> = places.iter().map(|id| **id).collect();
@@ -99,6 +106,11 @@ impl Forms {
 
     /// How many variables there are.
     pub fn variables(&self) -> usize {
+        self.first_multiplier() + self.rows.len()
+    }
+
+    /// The place of the first row's multiplier.
+    pub fn first_multiplier(&self) -> usize {
         self.n + self.kept.len()
     }
 
@@ -128,25 +140,25 @@ impl Forms {
         self.n + 2 * entries + entries * entries / self.n.max(1)
     }
 
+    /// The set of coordinates that each coordinate, kept variable and row is made of, as bits.
+    pub fn made_of(&self) -> Vec<Vec<u64>> {
+        let words = self.n.div_ceil(64);
+        let mut made_of = vec![vec![0_u64; words]; self.n];
+        made_of.iter_mut().enumerate().for_each(|(i, set)| set[i / 64] |= 1 << (i % 64));
+        for form in self.kept.iter().chain(self.rows.iter().map(|row| &row.0)) {
+            made_of.push(union(form, &made_of, words));
+        }
+        made_of
+    }
+
     /// For each coordinate the set of others that M couples it with, as bits.
     pub fn couplings(&self) -> Vec<Vec<u64>> {
         let words = self.n.div_ceil(64);
-        let add = |set: &mut [u64], more: &[u64]| set.iter_mut().zip(more).for_each(|(set, more)| *set |= more);
         let has = |set: &[u64], i: usize| set[i / 64] >> (i % 64) & 1 == 1;
-        // The coordinates that each variable is made of.
-        let mut made_of = vec![vec![0_u64; words]; self.variables()];
-        (0..self.n).for_each(|i| made_of[i][i / 64] |= 1 << (i % 64));
-        let union = |form: &Form, made_of: &[Vec<u64>]| {
-            let mut set = vec![0_u64; words];
-            form.iter().for_each(|(variable, _)| add(&mut set, &made_of[*variable]));
-            set
-        };
-        for (place, form) in self.kept.iter().enumerate() {
-            made_of[self.n + place] = union(form, &made_of);
-        }
+        let made_of = self.made_of();
         let mut coupled = vec![vec![0_u64; words]; self.n];
         for (_, u, v) in &self.products {
-            let [u, v] = [u, v].map(|form| union(form, &made_of));
+            let [u, v] = [u, v].map(|form| union(form, &made_of, words));
             for (i, row) in coupled.iter_mut().enumerate() {
                 if has(&u, i) {
                     add(row, &v);
@@ -178,6 +190,18 @@ impl Forms {
         }
         sizes
     }
+}
+
+/// Adds a set to another.
+fn add(set: &mut [u64], more: &[u64]) {
+    set.iter_mut().zip(more).for_each(|(set, more)| *set |= more);
+}
+
+/// The coordinates that a form is made of, as bits in so many words.
+fn union(form: &Form, made_of: &[Vec<u64>], words: usize) -> Vec<u64> {
+    let mut set = vec![0_u64; words];
+    form.iter().for_each(|(variable, _)| add(&mut set, &made_of[*variable]));
+    set
 }
 
 /// In the speeds: 0 for what contains none, 1 for what is affine, 2 for what is quadratic, 3 for all else.

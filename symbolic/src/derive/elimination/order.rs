@@ -35,19 +35,24 @@ pub(crate) struct Order {
 /// Which variables stand in one product.
 pub(crate) struct Interaction {
     coupled: Vec<BTreeSet<usize>>,
-    /// Kept variables that each is made of.
+    /// Which others wait for each one: what a kept variable is made of, and the multipliers of the rows that a coordinate stands in, however
+    /// many kept variables are between.
+    holds_up: Vec<Vec<usize>>,
+    /// How many others each one waits for.
+    waits_for: Vec<usize>,
+    /// What each kept variable is made of.
     made_of: Vec<Vec<usize>>,
-    /// How many kept variables each one stands in.
-    stands_in: Vec<usize>,
     /// How deep each is defined: 0 for a kept variable of coordinates alone, one more than what it is made of for others.
     level: Vec<usize>,
     /// How many bodies depend on each.
     bodies: Vec<usize>,
     n: usize,
+    /// The place of the first multiplier.
+    first_multiplier: usize,
 }
 
 impl Interaction {
-    /// One clique for each product, one for each kept variable with what it is made of.
+    /// One clique for each product, one for each kept variable with what it is made of; each multiplier with what its row is made of.
     pub fn of(forms: &Forms) -> Interaction {
         let count = forms.variables();
         let mut coupled = vec![BTreeSet::new(); count];
@@ -61,26 +66,33 @@ impl Interaction {
             clique(&members);
         }
         let mut made_of: Vec<Vec<usize>> = vec![Vec::new(); count];
-        let mut stands_in = vec![0; count];
         let mut level = vec![0; count];
         for (place, form) in forms.kept.iter().enumerate() {
             let own = forms.n + place;
             made_of[own] = form.iter().map(|term| term.0).collect();
             clique(&[made_of[own].as_slice(), &[own]].concat());
-            made_of[own].iter().for_each(|part| stands_in[*part] += 1);
             level[own] = 1 + made_of[own].iter().map(|part| level[*part]).max().unwrap_or(0);
         }
+        let first_multiplier = forms.first_multiplier();
+        for (row, (form, _)) in forms.rows.iter().enumerate() {
+            form.iter().for_each(|(part, _)| clique(&[*part, first_multiplier + row]));
+        }
+        let holds_up = holds_up(forms, &made_of);
+        let mut waits_for = vec![0; count];
+        holds_up.iter().flatten().for_each(|waiting| waits_for[*waiting] += 1);
         // A coordinate is as deep as the first that is made of it.
         for leaf in 0..forms.n {
-            let users = (forms.n..count).filter(|own| made_of[*own].contains(&leaf));
+            let users = (forms.n..first_multiplier).filter(|own| made_of[*own].contains(&leaf));
             level[leaf] = users.map(|own| level[own]).min().unwrap_or(usize::MAX);
         }
-        Interaction { coupled, made_of, stands_in, level, bodies: dependent(forms), n: forms.n }
+        let bodies = dependent(forms);
+        Interaction { coupled, holds_up, waits_for, made_of, level, bodies, n: forms.n, first_multiplier }
     }
 
     /// The order by one rule; `None` where a front is longer than [`LONGEST_FRONT`].
     pub fn order(&self, rule: Rule) -> Option<Order> {
-        let mut left = Left { coupled: self.coupled.clone(), order: Order::default() };
+        let (coupled, waits_for) = (self.coupled.clone(), self.waits_for.clone());
+        let mut left = Left { coupled, waits_for, order: Order::default() };
         match rule {
             Rule::Outermost => self.outermost(&mut left)?,
             Rule::Fill | Rule::Bodies => self.greedy(rule, &mut left)?,
@@ -97,7 +109,7 @@ impl Interaction {
             let mut of_leaf = vec![leaf];
             let mut found = vec![false; self.coupled.len()];
             found[leaf] = true;
-            for own in self.n..self.coupled.len() {
+            for own in self.n..self.first_multiplier {
                 if !done[own] && self.made_of[own].iter().any(|part| found[*part]) {
                     found[own] = true;
                     of_leaf.push(own);
@@ -105,32 +117,33 @@ impl Interaction {
             }
             for v in of_leaf.into_iter().rev() {
                 done[v] = true;
-                left.eliminate(v)?;
+                self.eliminate(left, v)?;
+            }
+            for &multiplier in &self.holds_up[leaf] {
+                if left.waits_for[multiplier] == 0 {
+                    self.eliminate(left, multiplier)?;
+                }
             }
         }
         Some(())
     }
 
     fn greedy(&self, rule: Rule, left: &mut Left) -> Option<()> {
-        let mut stands_in = self.stands_in.clone();
         let mut keys: Vec<Option<Key>> = vec![None; self.coupled.len()];
         let mut open: BTreeSet<(Key, usize)> = BTreeSet::new();
-        for v in (0..keys.len()).filter(|v| stands_in[*v] == 0) {
+        for v in (0..keys.len()).filter(|v| left.waits_for[*v] == 0) {
             let key = self.key(rule, &left.coupled, v);
             keys[v] = Some(key);
             open.insert((key, v));
         }
         while let Some((_, v)) = open.pop_first() {
             keys[v] = None;
-            let neighbours = left.eliminate(v)?;
-            for &part in &self.made_of[v] {
-                stands_in[part] -= 1;
-            }
+            let neighbours = self.eliminate(left, v)?;
             // What has had a coupling of its neighbours changed.
             let mut changed: BTreeSet<usize> = neighbours.clone();
             changed.extend(neighbours.iter().flat_map(|i| left.coupled[*i].iter().copied()));
-            changed.extend(&self.made_of[v]);
-            for u in changed.into_iter().filter(|u| stands_in[*u] == 0) {
+            changed.extend(&self.holds_up[v]);
+            for u in changed.into_iter().filter(|u| left.waits_for[*u] == 0) {
                 if let Some(old) = keys[u] {
                     open.remove(&(old, u));
                 }
@@ -140,6 +153,12 @@ impl Interaction {
             }
         }
         Some(())
+    }
+
+    /// Eliminates a variable, for which others wait no longer.
+    fn eliminate(&self, left: &mut Left, v: usize) -> Option<BTreeSet<usize>> {
+        self.holds_up[v].iter().for_each(|waiting| left.waits_for[*waiting] -= 1);
+        left.eliminate(v)
     }
 
     fn key(&self, rule: Rule, coupled: &[BTreeSet<usize>], v: usize) -> Key {
@@ -158,6 +177,8 @@ impl Interaction {
 /// What is left to eliminate, and what was.
 struct Left {
     coupled: Vec<BTreeSet<usize>>,
+    /// How many of these each one waits for.
+    waits_for: Vec<usize>,
     order: Order,
 }
 
@@ -179,6 +200,17 @@ impl Left {
     }
 }
 
+/// Which variables wait for each one until it is eliminated.
+fn holds_up(forms: &Forms, made_of: &[Vec<usize>]) -> Vec<Vec<usize>> {
+    let mut holds_up = made_of.to_vec();
+    let (first, of_rows) = (forms.first_multiplier(), forms.made_of());
+    for (row, coordinates) in of_rows[first..].iter().enumerate() {
+        let coordinates = (0..forms.n).filter(|i| coordinates[i / 64] >> (i % 64) & 1 == 1);
+        coordinates.for_each(|i| holds_up[i].push(first + row));
+    }
+    holds_up
+}
+
 /// How many bodies (or products of a written energy) depend on each variable, by way of kept ones too.
 fn dependent(forms: &Forms) -> Vec<usize> {
     let count = forms.variables();
@@ -187,7 +219,7 @@ fn dependent(forms: &Forms) -> Vec<usize> {
     for ((_, u, v), body) in forms.products.iter().zip(&forms.bodies) {
         u.iter().chain(v).for_each(|term| sets[term.0][body / 64] |= 1 << (body % 64));
     }
-    for own in (forms.n..count).rev() {
+    for own in (forms.n..forms.first_multiplier()).rev() {
         let bodies = std::mem::take(&mut sets[own]);
         for (part, _) in &forms.kept[own - forms.n] {
             sets[*part].iter_mut().zip(&bodies).for_each(|(set, more)| *set |= more);

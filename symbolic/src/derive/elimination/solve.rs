@@ -1,4 +1,8 @@
 //! One elimination: kept variables are put in, coordinates made to minimise, and the accelerations read backwards.
+//!
+//! A multiplier is eliminated as a coordinate is, where G + λ·(J q'' + γ) is stationary.  All coordinates of its row have been eliminated before,
+//! so that its pivot is −J M⁻¹ Jᵀ of these coordinates, less what earlier rows take: negative wherever M is positive definite and the
+//! rows are independent.
 
 use std::collections::BTreeSet;
 
@@ -33,19 +37,32 @@ pub(crate) struct Solution {
     pub values: Vec<Id>,
     /// Coordinate, pivot, and the part of M's diagonal that it must not be negligible against.
     pub pivots: Vec<(usize, Id, Id)>,
+    /// λ of the constraints' rows.
+    pub multipliers: Vec<Id>,
+    /// For each row, how much its multiplier moves it, which is J M⁻¹ Jᵀ of what the rows before it leave; and J M⁻¹ Jᵀ without what these take.
+    pub mobilities: Vec<(Id, Id)>,
 }
 
 impl Solution {
     /// All that is computed.
     pub fn roots(&self) -> Vec<Id> {
-        roots(&self.values, &self.pivots)
+        let of_rows =
+            self.multipliers.iter().copied().chain(self.mobilities.iter().flat_map(|(left, alone)| [*left, *alone]));
+        roots(&self.values, &self.pivots).into_iter().chain(of_rows).collect()
     }
 
     /// With other expressions in the place of these.
     pub fn with(&self, roots: &[Id]) -> Solution {
-        let (values, tests) = roots.split_at(self.values.len());
+        let (values, rest) = roots.split_at(self.values.len());
+        let (tests, of_rows) = rest.split_at(2 * self.pivots.len());
         let pairs = self.pivots.iter().zip(tests.chunks_exact(2));
-        Solution { values: values.to_vec(), pivots: pairs.map(|((k, ..), pair)| (*k, pair[0], pair[1])).collect() }
+        let (multipliers, mobilities) = of_rows.split_at(self.multipliers.len());
+        Solution {
+            values: values.to_vec(),
+            pivots: pairs.map(|((k, ..), pair)| (*k, pair[0], pair[1])).collect(),
+            multipliers: multipliers.to_vec(),
+            mobilities: mobilities.chunks_exact(2).map(|pair| (pair[0], pair[1])).collect(),
+        }
     }
 }
 
@@ -60,9 +77,10 @@ struct Quadratic<'a> {
     depths: Depths,
     entries: HashMap<(usize, usize), Sum>,
     linear: Vec<Sum>,
-    /// What A's diagonal would be without what was subtracted: the squares cⱼ² of masses alone.
+    /// What A's diagonal would be without what was subtracted: the squares cⱼ² of masses alone, and J M⁻¹ Jᵀ of multipliers.
     sizes: Vec<Sum>,
     coupled: Vec<BTreeSet<usize>>,
+    first_multiplier: usize,
 }
 
 /// How a variable that was eliminated follows from those that were not.
@@ -77,16 +95,22 @@ enum Followed {
 pub(crate) fn solve(graph: &mut Graph, forms: &Forms, order: &[usize], writing: Writing) -> Option<Solution> {
     let mut quadratic = Quadratic::of(graph, forms);
     let mut followed = Vec::with_capacity(order.len());
-    let mut pivots = Vec::new();
+    let (first, mut pivots, mut mobilities) =
+        (forms.first_multiplier(), Vec::new(), vec![(Id::ZERO, Id::ZERO); forms.rows.len()]);
     for &v in order.iter().filter(|v| !forms.is_length(**v)) {
-        let rule = if v >= forms.n {
-            let form = &forms.kept[v - forms.n];
-            quadratic.put_in(v, form, writing);
-            Followed::Made(form.clone())
-        } else {
-            let (rule, pivot, size) = quadratic.minimise(v, writing)?;
-            pivots.push((v, pivot, size));
-            rule
+        let rule = match v.checked_sub(forms.n).and_then(|place| forms.kept.get(place)) {
+            Some(form) => {
+                quadratic.put_in(v, form, writing);
+                Followed::Made(form.clone())
+            }
+            None => {
+                let (rule, pivot, size) = quadratic.minimise(v, writing)?;
+                match v.checked_sub(first) {
+                    Some(row) => mobilities[row] = (quadratic.graph.neg(pivot), size),
+                    None => pivots.push((v, pivot, size)),
+                }
+                rule
+            }
         };
         if quadratic.graph.overflowed() {
             return None;
@@ -109,13 +133,15 @@ pub(crate) fn solve(graph: &mut Graph, forms: &Forms, order: &[usize], writing: 
         }
         values[v] = sum.read(graph, &mut depths);
     }
+    // G + λ·(J q'' + γ) gives the multipliers of Jᵀ λ on the other side of the equations of motion.
+    let multipliers = values[first..].iter().map(|value| graph.neg(*value)).collect();
     values.truncate(forms.n);
     for turning in &forms.turning {
         let own = &mut values[turning.first..turning.first + 4];
         let rate = [own[1], own[2], own[3]];
         own.copy_from_slice(&turning.acceleration(graph, rate));
     }
-    Some(Solution { values, pivots })
+    Some(Solution { values, pivots, multipliers, mobilities })
 }
 
 impl<'a> Quadratic<'a> {
@@ -128,6 +154,7 @@ impl<'a> Quadratic<'a> {
             linear: vec![Sum::default(); count],
             sizes: vec![Sum::default(); count],
             coupled: vec![BTreeSet::new(); count],
+            first_multiplier: forms.first_multiplier(),
         };
         for (w, u, v) in &forms.products {
             for (place, &(i, c)) in u.iter().enumerate() {
@@ -153,6 +180,10 @@ impl<'a> Quadratic<'a> {
         }
         for (i, h) in forms.forces.iter().enumerate() {
             new.linear[i].push(*h);
+        }
+        for (multiplier, (form, bias)) in (new.first_multiplier..).zip(&forms.rows) {
+            form.iter().for_each(|(j, c)| new.add(*j, multiplier, *c));
+            new.linear[multiplier].push(*bias);
         }
         new
     }
@@ -230,7 +261,7 @@ impl<'a> Quadratic<'a> {
         }
     }
 
-    /// ½ a v² + v Σ bₖ xₖ + g v is least for v = −(g + Σ bₖ xₖ)/a, and is −(g + Σ bₖ xₖ)²/(2 a) then.  `None` without a pivot.
+    /// ½ a v² + v Σ bₖ xₖ + g v is least (of a multiplier, stationary) for v = −(g + Σ bₖ xₖ)/a, and is −(g + Σ bₖ xₖ)²/(2 a) then.  `None` without a pivot.
     fn minimise(&mut self, v: usize, writing: Writing) -> Option<(Followed, Id, Id)> {
         let (a, row) = self.row(v);
         if a == Id::ZERO {
@@ -238,6 +269,7 @@ impl<'a> Quadratic<'a> {
         }
         let g = self.linear[v].read(self.graph, &mut self.depths);
         let size = self.sizes[v].read(self.graph, &mut self.depths);
+        let of_coordinate = v < self.first_multiplier;
         let reciprocal = self.graph.div(Id::ONE, a);
         let factors: Vec<Id> = row.iter().map(|entry| self.times(entry.1, reciprocal)).collect();
         for (place, &(j, b)) in row.iter().enumerate() {
@@ -250,6 +282,9 @@ impl<'a> Quadratic<'a> {
                 } else {
                     self.times(factors[place], other)
                 };
+                if j == k && j >= self.first_multiplier && of_coordinate {
+                    self.sizes[j].push(update);
+                }
                 let update = self.graph.neg(update);
                 self.add(j, k, update);
             }

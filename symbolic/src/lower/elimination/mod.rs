@@ -6,13 +6,15 @@ mod time;
 
 use super::Entry;
 use super::count::varying;
-use super::factor::Accelerations;
+use super::factor::{Accelerations, dense_operations_with_rows};
 use super::operations;
 use crate::derive::elimination::{
     Eliminated, FEW, Forms, Interaction, Order, RULES, Rule, Solution, WRITINGS, Writing, roots, solve,
 };
-use crate::derive::{Dynamics, LeastConstraint};
+use crate::derive::{Dynamics, LeastConstraint, Rows};
 use crate::expr::{Graph, Id, Symbol, canonical_products, copied};
+use crate::gate::Report;
+use crate::model::{Model, Phase};
 
 /// How accelerations are computed, in words, and the numbers behind it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -23,6 +25,8 @@ pub struct Elimination {
     pub kept: usize,
     /// Rotations whose angular velocities are unknowns.
     pub rotations: usize,
+    /// Rows of constraints whose multipliers are unknowns.
+    pub rows: usize,
     /// The largest front.
     pub front: usize,
     /// What it takes.
@@ -95,7 +99,7 @@ impl Found {
         } else {
             let Candidate { front, cost, .. } = self.best;
             let Found { kept, rotations, .. } = self;
-            Elimination { order: None, kept, rotations, front, cost, by_masses: Some(by_masses) }
+            Elimination { kept, rotations, front, cost, by_masses: Some(by_masses), ..Elimination::default() }
         }
     }
 
@@ -103,10 +107,49 @@ impl Found {
     pub fn take(self, graph: &mut Graph) -> (Accelerations, Elimination) {
         let Found { best: Candidate { rule, front, graph: own, solution, cost }, kept, rotations, .. } = self;
         let roots = copied(&own, &solution.roots(), graph);
-        let Solution { values, pivots } = solution.with(&roots);
-        let taken = Elimination { order: Some(rule.words()), kept, rotations, front, cost, by_masses: None };
+        let Solution { values, pivots, .. } = solution.with(&roots);
+        let order = Some(rule.words());
+        let taken = Elimination { order, kept, rotations, front, cost, ..Elimination::default() };
         (Accelerations::Unrolled { values, pivots }, taken)
     }
+}
+
+/// Accelerations and multipliers where all rows of the constraints act, in the graph of the equations.
+///
+/// Nothing where a phase never has all rows or they depend on each other, where forces are made of multipliers or states of first order are among
+/// the coordinates, and where rows determine accelerations by themselves, which forces had better not round.
+pub(super) fn constrained(
+    model: &mut Model,
+    report: &Report,
+    (dynamics, rows): (&Dynamics, &Rows),
+    (mass, bias): (&[Entry], &[Id]),
+) -> Option<(Solution, Elimination)> {
+    let made_of_multipliers =
+        model.graph.symbols(bias.iter().copied()).iter().any(|s| matches!(s, Symbol::Multiplier(_)));
+    let act = |(phase, rank): (&Phase, &usize)| model.rows_of(phase).len() == rows.len() && *rank == rows.len();
+    let all_act = model.phases.iter().zip(&report.ranks).any(act);
+    let graph = &mut model.graph;
+    if !all_act || made_of_multipliers || model.coordinates.len() > dynamics.n || rows.determine(dynamics.n) {
+        return None;
+    }
+    let mut trial = graph.clone();
+    let least = LeastConstraint::constrained(&mut trial, dynamics, rows);
+    let forms = Forms::of(&mut trial, dynamics.n, &least)?;
+    let Candidate { rule, front, graph: own, solution, cost } = best_of_long(&in_both_orders(&forms, &trial))?;
+    let with_pivots = cost_with_pivots(graph, dynamics.n, rows, (mass, bias));
+    let moved = copied(&own, &solution.roots(), graph);
+    let (order, by_masses) = (Some(rule.words()), Some(with_pivots));
+    let (kept, rows) = (forms.kept.len(), rows.len());
+    let words = Elimination { order, kept, rows, front, cost, by_masses, ..Elimination::default() };
+    Some((solution.with(&moved), words))
+}
+
+/// What M, h, J and γ take, and to solve for accelerations and multipliers with them.
+fn cost_with_pivots(graph: &Graph, n: usize, rows: &Rows, (mass, bias): (&[Entry], &[Id])) -> Cost {
+    let entries = mass.iter().chain(&rows.matrix).map(|entry| entry.2);
+    let roots: Vec<Id> = entries.chain(bias.iter().chain(&rows.bias).copied()).collect();
+    let dense = dense_operations_with_rows(n, rows.len());
+    Cost { time: time::time_with(graph, &roots, dense), operations: operations(graph, &roots) + dense }
 }
 
 /// With factors of products as they come, and those without speeds first.
@@ -235,7 +278,7 @@ impl Rule {
 impl Elimination {
     /// What was chosen, and why.
     pub fn words(&self) -> String {
-        let Elimination { order, kept, rotations, front, cost, by_masses } = self;
+        let Elimination { order, kept, rotations, rows, front, cost, by_masses } = self;
         let words = |cost: &Cost| format!("about {:.0} ns, {} operations", cost.time, cost.operations);
         let eliminating = words(cost);
         let by_masses = by_masses.as_ref().map_or_else(|| "are not formed".to_owned(), words);
@@ -246,6 +289,11 @@ impl Elimination {
             _ => format!("angular velocities and {shared}"),
         };
         match order {
+            Some(order) if *rows > 0 => format!(
+                "q'' and the multipliers of {rows} {}: elimination over {velocities}, {order}, largest front {front} ({eliminating}); where \
+                 rows depend on each other, or nearly, M and J with pivots ({by_masses})",
+                if *rows == 1 { "row" } else { "rows" }
+            ),
             Some(order) => format!(
                 "q'': elimination over {velocities}, {order}, largest front {front} ({eliminating}; M and LDLᵀ {by_masses})"
             ),

@@ -13,9 +13,10 @@ struct Case {
 }
 
 impl Case {
-    /// Of so many links, with the file's parameters.
+    /// Of so many links, if any, with the file's parameters.
     fn of(text: &str, n: i64) -> Case {
-        let program = compile(text, &[("n".to_owned(), n)]).unwrap_or_else(|problems| panic!("{problems:?}"));
+        let sizes = if n > 0 { vec![("n".to_owned(), n)] } else { Vec::new() };
+        let program = compile(text, &sizes).unwrap_or_else(|problems| panic!("{problems:?}"));
         let parameters = program.model.parameters.iter().map(|parameter| parameter.default).collect();
         Case { program, parameters }
     }
@@ -204,4 +205,76 @@ fn small_mechanisms_keep_what_they_had() {
     for (text, n) in [(models::ABSOLUTE, 2), (models::ABSOLUTE, 3), (models::ABSOLUTE, 5), (models::CART, 2)] {
         assert!(!Case::of(text, n).eliminated(), "{n}");
     }
+}
+
+impl Case {
+    /// Accelerations and multipliers by elimination solve M q'' + h = Jᵀ λ and J q'' + γ = 0.
+    fn solves(&self) {
+        let Program { model, mass, bias, constraints, .. } = &self.program;
+        let found = constraints.eliminated.as_ref().unwrap_or_else(|| panic!("{}: not eliminated", model.name));
+        let mut random = Random::new();
+        for _ in 0..3 {
+            let state = self.drawn(&mut random, 3.0);
+            let value = |s| DoubleDouble::from(self.value(&state, s));
+            let evaluate = |roots: Vec<Id>| Tape::new(&model.graph, &roots).evaluate(value);
+            let (a, l) = (evaluate(found.accelerations.clone()), evaluate(found.multipliers.clone()));
+            let mut left = evaluate(bias.clone());
+            for ((i, j, _), m) in mass.iter().zip(evaluate(mass.iter().map(|e| e.2).collect())) {
+                left[*i] += m * a[*j];
+                if i != j {
+                    left[*j] += m * a[*i];
+                }
+            }
+            let mut rows = evaluate(constraints.bias.clone());
+            for ((row, i, _), x) in
+                constraints.matrix.iter().zip(evaluate(constraints.matrix.iter().map(|e| e.2).collect()))
+            {
+                left[*i] += -(x * l[*row]);
+                rows[*row] += x * a[*i];
+            }
+            let most = a.iter().chain(&l).fold(1.0_f64, |most, x| most.max(x.abs().to_f64()));
+            let wrong = left.iter().chain(&rows).fold(0.0_f64, |most, x| most.max(x.abs().to_f64()));
+            assert!(wrong < 1e-20 * most, "{}: {wrong:e} beside {most:e}", model.name);
+            let mobilities = evaluate(found.mobilities.clone());
+            assert!(mobilities.iter().all(|mobility| mobility.to_f64() > 0.0), "{}", model.name);
+        }
+    }
+}
+
+/// Hinges, loops, a rod in space, wheels that roll, and rows that move with time.
+#[test]
+fn accelerations_and_multipliers_solve_the_equations_with_constraints() {
+    Case::of(models::HINGES, 6).solves();
+    Case::of(models::FOUR_BARS, 4).solves();
+    let moving = models::HINGES
+        .replace("u[i] - ax[i-1]", "u[i] - ax[i-1] - 0.1*sin(3*t/T)")
+        .replace("m: 1 kg", "m: 1 kg, T: 1 s");
+    Case::of(&moving.replace("0.1*sin", "0.1*l*sin"), 3).solves();
+    let sleigh = "name: Sleigh\nparameters: {m: 1 kg, I: 0.3 kg*m^2, d: 0.2 m}\ncoordinates: {x: m, y: m, phi: rad}\n\
+                  bodies: {b: {mass: m, inertia: I, angle: phi, position: '[x + d*cos(phi), y + d*sin(phi)]'}}\n\
+                  constraints: {skate: \"-x'*sin(phi) + y'*cos(phi)\"}\n";
+    Case::of(sleigh, 0).solves();
+    let rod = "name: Rod\nparameters: {m: 1 kg, l: 1 m, g: 10 m/s^2}\ncoordinates: {\"x[i in 1..6]\": m}\n\
+               bodies: {a: {mass: m, position: '[x[1], x[2], x[3]]'}, b: {mass: 2*m, position: '[x[4], x[5], x[6]]'}}\n\
+               gravity: [0, 0, -g]\n\
+               constraints: {rod: \"(x[1] - x[4])^2 + (x[2] - x[5])^2 + (x[3] - x[6])^2 - l^2\"}\n\
+               scene: {start: {\"x[1]\": 0, \"x[2]\": 0, \"x[3]\": 0, \"x[4]\": 1, \"x[5]\": 0, \"x[6]\": 0}}\n";
+    Case::of(rod, 0).solves();
+}
+
+/// Where rows depend on each other, rows determine accelerations alone, or forces are made of multipliers, M and J are solved with pivots.
+#[test]
+fn rows_that_are_to_be_chosen_are_not_eliminated() {
+    let block = |rows: &str, forces: &str| {
+        let text = format!(
+            "name: Block\nparameters: {{m: 1 kg, mu: 0.1, l: 1 m, g: 10 m/s^2}}\ncoordinates: {{x: m, y: m, z: m}}\n\
+             bodies: {{b: {{mass: m, position: '[x, y, z]'}}}}\ngravity: [0, 0, -g]\n\
+             constraints: {{{rows}}}\n{forces}scene: {{start: {{x: 1, y: 0, z: 0}}}}\n"
+        );
+        Case::of(&text, 0).program.constraints.eliminated.is_some()
+    };
+    assert!(block("sphere: x^2 + y^2 + z^2 - l^2", ""));
+    assert!(!block("floor: z", ""));
+    assert!(!block("sphere: x^2 + y^2 + z^2 - l^2, again: 2*(x^2 + y^2 + z^2 - l^2)", ""));
+    assert!(!block("slope: z - x", "forces: {rub: {on: b, force: '[-mu*reaction(slope), 0, 0]'}}\n"));
 }

@@ -40,5 +40,10 @@ pub(super) fn time(graph: &Graph, roots: &[Id]) -> f64 {
 
 /// Nanoseconds of a loop over the packed triangle of M, with M and h before it.
 pub(super) fn time_of_loop(graph: &Graph, n: usize, roots: &[Id]) -> f64 {
-    time(graph, roots) + OPERATION * dense_operations(n) as f64
+    time_with(graph, roots, dense_operations(n))
+}
+
+/// Nanoseconds of a loop of so many operations, with these roots before it.
+pub(super) fn time_with(graph: &Graph, roots: &[Id], dense: usize) -> f64 {
+    time(graph, roots) + OPERATION * dense as f64
 }
