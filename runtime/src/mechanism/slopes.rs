@@ -113,6 +113,21 @@ impl AccelerationSlopes {
         Ok(())
     }
 
+    /// As [`AccelerationSlopes::evaluate`], with 0 for a slope that has no finite value, as that of a root at 0 has none: for iterations and steps whose results
+    /// are tested, and go on without it.
+    ///
+    /// # Errors
+    /// As [`AccelerationSlopes::evaluate`].
+    pub fn evaluate_finite(&mut self, system: &dyn System, at: At<'_>) -> Result<(), Singular> {
+        self.evaluate(system, at)?;
+        self.by_place
+            .iter_mut()
+            .chain(&mut self.by_speed)
+            .filter(|slope| !slope.is_finite())
+            .for_each(|slope| *slope = 0.0);
+        Ok(())
+    }
+
     /// Evaluates ∂a/∂t, the state held, after [`AccelerationSlopes::evaluate`] at the same one.
     ///
     /// What the file gives no derivative of, third derivatives of inputs and the rows' dependence on time, comes from the

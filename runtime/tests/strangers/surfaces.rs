@@ -1,6 +1,6 @@
 //! Motions on surfaces where forces or rates jump: runs that ended with `chattering`, and advice that did not fit.
 
-use dalembert::{Cause, Error};
+use dalembert::{Cause, Error, Method};
 
 use super::case;
 
@@ -49,6 +49,21 @@ fn a_tank_that_runs_empty_stays_empty() {
             let found = tank.run().last()["h"];
             assert!((found - h).abs() < 1e-10, "{rate} {until}: {found}, not {h}");
         }
+    }
+}
+
+#[test]
+fn implicit_methods_go_on_from_a_root_at_0() {
+    // Shut until T: the slope of the root is infinite, times 0.  Then √(1 − p/p_s) = 1 − k (t − T)/2.
+    for method in [Method::Radau5, Method::Rodas5P] {
+        let mut filling = case(
+            "name: Filling\nparameters: {ps: 100 kPa, k: 1 1/s, T: 0.05 s}\ninputs: {valve: \"step(t - T)\"}\n\
+             define: {dp: \"valve*(ps - p)\"}\n\
+             states: {p: {unit: Pa, rate: \"k*ps*sign(dp)*sqrt(abs(dp)/ps)\"}}\nscene: {start: {p: 0}, until: 1}\n",
+        );
+        filling.settings.method = method;
+        let (found, p) = (filling.run().last()["p"], 1e5 * (1.0 - 0.525_f64.powi(2)));
+        assert!((found - p).abs() < 1e-7 * p, "{method}: {found}, not {p}");
     }
 }
 

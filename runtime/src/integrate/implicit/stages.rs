@@ -228,7 +228,7 @@ impl Newton {
             self.left::<S>(system, from, stages, at)?;
             for i in 0..S {
                 stages.state(i, from.y, at);
-                self.slopes.evaluate(system, At::packed(from.t + self.tableau.nodes[i].value() * h, at, n))?;
+                self.slopes.evaluate_finite(system, At::packed(from.t + self.tableau.nodes[i].value() * h, at, n))?;
                 self.jacobians += 1;
                 let (places, speeds) = (self.slopes.by_place(), self.slopes.by_speed());
                 for (j, l, k) in (0..S).flat_map(|j| (0..n).flat_map(move |l| (0..n).map(move |k| (j, l, k)))) {
@@ -280,7 +280,7 @@ impl Newton {
                 stages.state(middle, from.y, at);
             }
             self.usual = 0;
-            self.slopes.evaluate(system, At::packed(t, at, self.n))?;
+            self.slopes.evaluate_finite(system, At::packed(t, at, self.n))?;
             self.jacobians += 1;
             self.factored = 0.0;
         }

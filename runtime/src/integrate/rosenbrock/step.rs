@@ -57,7 +57,7 @@ impl Rosenbrock {
     fn prepare(&mut self, system: &dyn System, t: f64, h: f64) -> Result<(), StepFailure> {
         let at = At::packed(t, &self.ends.y, self.ends.n);
         if self.known != Some(t) {
-            self.slopes.evaluate(system, at)?;
+            self.slopes.evaluate_finite(system, at)?;
             self.counters.jacobians += 1;
             (self.known, self.factored) = (Some(t), 0.0);
         }
