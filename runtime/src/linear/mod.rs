@@ -36,7 +36,7 @@ mod modes;
 mod rigid;
 mod typed;
 
-use crate::mechanism::System;
+use crate::mechanism::{At, System};
 
 pub use crate::error::{LinearError, Residual};
 pub use crate::numbers::{short, short_beside, short_within};
@@ -80,8 +80,14 @@ pub fn has_dependent_coordinates<S: System + ?Sized>(system: &S) -> bool {
     !system.active_rows().is_empty() || !system.description().rotations.is_empty()
 }
 
-/// Where a search for rest starts: the file's guess; where it gives none a motion's start where constraints must be met, else 0.
+/// Where a search for rest starts: the file's guess; where it gives none a motion's start where constraints must be met, or forces have no value
+/// at 0, as that of a spring whose ends meet; else 0.
 pub(crate) fn guess_of_rest<S: System + ?Sized>(system: &S, start: &[f64]) -> Vec<f64> {
-    let absent = || if has_dependent_coordinates(system) { start.to_vec() } else { vec![0.0; system.len()] };
+    let absent = || {
+        let (origin, mut forces) = (vec![0.0; system.len()], vec![0.0; system.len()]);
+        system.bias(At::new(0.0, &origin, &origin), &mut forces);
+        let serves = !has_dependent_coordinates(system) && forces.iter().all(|force| force.is_finite());
+        if serves { origin } else { start.to_vec() }
+    };
     system.equilibrium_guess().unwrap_or_else(absent)
 }

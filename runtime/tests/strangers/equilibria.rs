@@ -408,6 +408,17 @@ fn a_guess_of_zeros_is_given() {
     }
 }
 
+/// A spring has no direction where its ends meet: the search begins at the scene's start, and at 0 where a file says so, which is refused.
+#[test]
+fn a_search_for_rest_begins_where_forces_have_values() {
+    let bob = "name: Bob\nparameters: {m: 1 kg, k: 200 N/m, l0: 0.3 m, g: 10 m/s^2}\ncoordinates: {x: m, y: m}\n\
+               points: {hook: '[0, 0]'}\nbodies: {bob: {mass: m, position: '[y, x]'}}\ngravity: [0, -g]\n\
+               springs: {coil: {between: [hook, bob], stiffness: k, rest: l0}}\nscene: {start: {x: -0.3, y: 0.2}, until: 2}\n";
+    assert!((rest_of("bob", bob) + 0.35).abs() < 1e-9);
+    let system = case(&format!("{bob}equilibrium: {{x: 0}}\n")).system;
+    assert!(equilibrium_near(&system, &Guess::at(&[0.0, 0.0])).is_err());
+}
+
 /// An angle that the search has left at a rounding is 0: the force on the other coordinate is what was sought.
 #[test]
 fn a_hanging_pendulum_does_not_keep_its_cart_from_being_held() {
