@@ -258,6 +258,11 @@ impl Projection {
         if self.is_nearly_singular() { self.form.chosen_after(usual.saturating_sub(1)) } else { Vec::new() }
     }
 
+    /// Whether so many rows are clearly independent at the state that was projected last.
+    pub fn has_independent(&self, count: usize) -> bool {
+        !self.corrects || self.form.are_independent(count)
+    }
+
     /// Whether rounding of the constraints shows at the state that was projected last.
     pub fn is_nearly_singular(&self) -> bool {
         self.corrects && self.form.weakest() <= NEARLY_SINGULAR
@@ -294,14 +299,10 @@ impl Projection {
         there < DEPENDENT * from.min(to)
     }
 
-    /// What rounding of c makes of q, and that in turn of q', at the state that was projected last; `None` where it is
-    /// no more than that of q and q' themselves.
+    /// What rounding of c makes of q, and that in turn of q', at the state that was projected last.
     ///
     /// Near a singular position, σ from it, q is open to some ε/σ and q' to ε/σ².
-    pub fn constraint_round_off<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) -> Option<&[f64]> {
-        if !self.is_nearly_singular() {
-            return None;
-        }
+    pub fn constraint_round_off<S: System + ?Sized>(&mut self, system: &S, t: f64, y: &[f64]) -> &[f64] {
         let n = system.len();
         self.constraint_round_off.fill(0.0);
         let (mut moved, mut before) = (y.to_vec(), self.triples.clone());
@@ -320,7 +321,7 @@ impl Projection {
             }
         }
         self.triples = before;
-        Some(&self.constraint_round_off)
+        &self.constraint_round_off
     }
 
     /// The largest norms that the rows have had.

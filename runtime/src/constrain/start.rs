@@ -168,7 +168,7 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
         })
     }
 
-    /// Levenberg's and Marquardt's iteration to c = 0 (Moré 1978), rows divided by their norms.
+    /// Levenberg's and Marquardt's iteration to c = 0 (Moré 1978), rows divided by the norms of what is free in them.
     fn close_by_steps(&self, y: &mut [f64], steps: Steps) -> Result<(), Box<Cause>> {
         let mut damping = 1e-3;
         let mut scales = vec![0.0_f64; self.holonomic.len()];
@@ -183,11 +183,11 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
             if c.iter().zip(&closed).all(|(c, closed)| c.abs() <= *closed) {
                 return Ok(());
             }
-            let full = self.jacobian(y, &self.holonomic);
-            let mut a = full.select_columns(&self.free);
+            let mut a = self.jacobian(y, &self.holonomic).select_columns(&self.free);
             let mut b = c.clone();
             for k in 0..self.holonomic.len() {
-                scales[k] = scales[k].max(full.row(k).norm());
+                // What is held moves nothing, in whatever unit it is.
+                scales[k] = scales[k].max(a.row(k).norm());
                 let scale = if scales[k] > 0.0 { 1.0 / scales[k] } else { 0.0 };
                 a.row_mut(k).scale_mut(scale);
                 b[k] *= scale;

@@ -64,6 +64,11 @@ pub(super) fn held_coordinates(system: &dyn System, at: At<'_>) -> Option<Vec<bo
     held.contains(&true).then_some(held)
 }
 
+/// How many of the rows in force are independent, but at singular positions.
+fn usual_rank(system: &dyn System) -> usize {
+    system.description().phases.get(system.phase()).map_or(0, |phase| phase.rank as usize)
+}
+
 impl Integration {
     /// Brings the present state to the constraints, and measures how independent they are there.
     pub(super) fn project_start(&mut self, system: &mut dyn System) -> Result<(), Box<Cause>> {
@@ -78,9 +83,10 @@ impl Integration {
         projected.map_err(|fault| fault.cause(system.description()))?;
         projection.observe(system, self.clock.now(), self.stepper.start().y);
         projection.hold(system, self.clock.now(), self.stepper.start().y);
+        let independent = projection.has_independent(usual_rank(system));
         if let Some(history) = system.row_history_mut() {
             let (norms, entries) = (projection.norms().to_vec(), projection.entries().to_vec());
-            *history = RowHistory { norms, entries, ..RowHistory::default() };
+            *history = RowHistory { norms, entries, independent, ..RowHistory::default() };
         }
         Ok(())
     }
@@ -93,7 +99,7 @@ impl Integration {
     ) -> Result<(), Box<Cause>> {
         let deficient = self.deficient(system);
         let Some(projection) = &mut self.projection else { return Ok(()) };
-        let usual = system.description().phases.get(system.phase()).map_or(0, |phase| phase.rank as usize);
+        let usual = usual_rank(system);
         let (now, y) = (self.clock.now(), self.stepper.start().y);
         if system.active_rows().is_empty() {
             projection.observe(system, now, y);
@@ -106,6 +112,7 @@ impl Integration {
             history.entries.clear();
             history.entries.extend_from_slice(projection.entries());
             history.last = projection.nearly_dependent_rows(usual);
+            history.independent |= projection.has_independent(usual);
         }
         if deficient.is_none() && projection.is_nearly_singular() {
             let (mut a, mut lambda) = (vec![0.0; system.len()], vec![0.0; system.description().rows.len()]);
@@ -115,7 +122,9 @@ impl Integration {
             }
         }
         if let StepPolicy::Adaptive { tolerance, .. } = &mut self.policy {
-            tolerance.note_constraint_round_off(projection.constraint_round_off(system, now, y));
+            // Elsewhere it is no more than that of the state itself.
+            let near = projection.is_nearly_singular();
+            tolerance.note_constraint_round_off(near.then(|| projection.constraint_round_off(system, now, y)));
         }
         if let Some(sigma) = deficient {
             recorder.warn(Warning::SingularPassed { t: now });

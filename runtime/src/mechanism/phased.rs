@@ -14,6 +14,8 @@ pub struct RowHistory {
     /// The largest size that each entry of J has had, all coordinates of a row one after the other: a row of which one entry is as large as it
     /// ever was does not vanish, however heavy that coordinate is.
     pub entries: Vec<f64>,
+    /// Whether the rows in force were clearly independent at some state: near a singular position later on some of them are left out.
+    pub independent: bool,
     /// The multipliers of all rows where the rows were last as independent as they usually are: rows that cease to count
     /// near a singular position keep them meanwhile.
     pub multipliers: Vec<f64>,
@@ -167,6 +169,14 @@ impl Phased {
         system.force_errors(at, &mut errors);
         let times = [self.disturbance, -self.disturbance].into_iter().cycle();
         forces.iter_mut().zip(errors).zip(times).for_each(|((force, error), times)| *force += times * error);
+    }
+
+    /// The same to γ, of whose terms nothing is known.
+    pub fn disturb_rows(&self, gamma: &mut [f64]) {
+        if self.disturbance != 0.0 {
+            let times = [self.disturbance, -self.disturbance].into_iter().cycle();
+            gamma.iter_mut().zip(times).for_each(|(gamma, times)| *gamma *= 1.0 + times * 0.5 * f64::EPSILON);
+        }
     }
 
     /// Whether accelerations and multipliers by elimination are as good as those by M and J: where coordinates keep a [`CLEAR`] part of their inertia, and

@@ -153,6 +153,12 @@ impl Digits {
         self.rows[first..].iter_mut().zip(rates).for_each(|(bound, rate)| *bound = bound.max(width * rate.abs()));
     }
 
+    /// The state at the end is known to these errors at best.
+    pub(crate) fn known_at_end(&mut self, run: &Run, errors: &[f64]) {
+        let first = self.rows.len() - run.names.len();
+        self.rows[first..].iter_mut().zip(errors).for_each(|(bound, error)| *bound = bound.max(*error));
+    }
+
     /// Nothing is known from the start on.
     pub(crate) fn lose(&mut self, run: &Run) {
         self.rows.fill(f64::INFINITY);
@@ -363,7 +369,7 @@ impl Run {
     }
 
     /// A value of the last state as text with the digits that hold, all of them where nothing is known of them; `?` where
-    /// its error is no residue of rounding but of the size of all that the column goes through.
+    /// its error is no small part of all that the column goes through.
     pub(crate) fn written(&self, name: &str, value: f64) -> String {
         let column = self.names.place(name);
         let error = column.and_then(|column| self.last_error(column));
@@ -374,7 +380,7 @@ impl Run {
         let moves = self.times.first() != self.times.last();
         // An output of a unit that nothing moving has is 0 or not as the motion is: of that which holds, what is 0 all the time is 0.
         let moves = moves && !(output.is_some() && self.rests(column) && digits.worst(self) < KNOWN);
-        let lost = moves && error >= value.abs() && error > cancelled.max(LOST * digits.ranges[column]);
+        let lost = moves && error >= value.abs() && error > cancelled.max(KNOWN * digits.ranges[column]);
         written(value, if lost { f64::INFINITY } else { error })
     }
 

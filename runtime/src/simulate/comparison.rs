@@ -55,6 +55,8 @@ const SHARED: f64 = 0.75;
 const FINER: f64 = 1.5;
 /// Accelerations are known to so many roundings times the condition of M.
 const ROUNDED_INERTIA: f64 = 4.0;
+/// Forces at the end may be off by so many half units in the last place of their terms.
+const ROUNDED_FORCES: f64 = 8.0;
 /// A second run is given up after so many times the steps of the first, and so many more: a start that is moved by rounding may have
 /// vibrations that the first had not.
 const MORE_STEPS: u64 = 10;
@@ -150,20 +152,36 @@ fn fastest(system: &dyn System, settings: &Settings, run: &Run) -> f64 {
 }
 
 /// Judges outputs at the end by states that the last one may as well be.
-fn look_around_end(system: &dyn System, run: &Run, digits: &mut Digits) {
+fn look_around_end(system: &mut dyn System, run: &Run, digits: &mut Digits) {
     // Means over steps are no functions of the state.
     let Some(row) = run.len().checked_sub(1).filter(|_| run.tally.is_none()) else { return };
-    let n = system.len();
+    let (n, t) = (system.len(), run.times[row]);
     let mut room = vec![0.0; n];
-    let outputs = |y: &Vec<f64>| {
+    let mut outputs = |system: &dyn System, y: &[f64]| {
         let mut outputs = vec![f64::NAN; system.description().output_len()];
-        evaluate_outputs(system, run.times[row], y, &mut room, &mut outputs);
+        evaluate_outputs(system, t, y, &mut room, &mut outputs);
         outputs
     };
     let end = &run.rows[2 * n * row..][..2 * n];
+    digits.known_at_end(run, &constraint_round_off(system, t, end).unwrap_or_default());
     let states = digits.around(run, row, end);
-    digits.output_conditioning(&states.iter().map(outputs).collect::<Vec<_>>());
-    digits.cancellation(run, &roundings(system, At::packed(run.times[row], end, n)));
+    let mut beside: Vec<Vec<f64>> = states.iter().map(|y| outputs(system, y)).collect();
+    // What friction holds would slip if forces changed.
+    if system.contacts().all.is_empty() {
+        system.disturb_forces(ROUNDED_FORCES);
+        beside.push(outputs(system, end));
+        system.disturb_forces(0.0);
+    }
+    digits.output_conditioning(&beside);
+    digits.cancellation(run, &roundings(system, At::packed(t, end, n)));
+}
+
+/// What rounding of constraints makes of a state that they determine; `None` where there are none.
+fn constraint_round_off(system: &dyn System, t: f64, y: &[f64]) -> Option<Vec<f64>> {
+    let mut projection = Projection::new(system)?;
+    projection.observe(system, t, y);
+    projection.project(system, t, &mut y.to_vec()).ok()?;
+    Some(projection.constraint_round_off(system, t, y).to_vec())
 }
 
 /// By which part of themselves accelerations may be off all along, by the condition of M at the start and at the end of a run; 0 with

@@ -5,7 +5,10 @@ use std::mem;
 
 use crate::cause::GimbalLock;
 use crate::mechanism::Method;
-use crate::numbers::{counted, short};
+use crate::numbers::{counted, short, short_within};
+
+/// A position is passed within this part of the time at which that is seen, as a step tells it.
+const SEEN_LATE: f64 = 0.01;
 
 /// A reason to trust a run less.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,7 +88,7 @@ pub enum Warning {
     },
     /// The motion passed a place where its constraints depend on each other; it kept the branch that continues its speeds.
     SingularPassed {
-        /// When, s.
+        /// The end of the step in which that was seen, s.
         t: f64,
     },
     /// The motion passed a gimbal lock so near that its steps became short: small errors of the state there are large ones of the angles.
@@ -368,9 +371,9 @@ impl fmt::Display for Warning {
             ),
             Warning::SingularPassed { t } => write!(
                 f,
-                "the motion passed a singular position at t = {} s, where its constraints depend on each other; it kept \
+                "the motion passed a singular position near t = {} s, where its constraints depend on each other; it kept \
                  the branch that continues its speeds",
-                short(*t)
+                short_within(*t, SEEN_LATE)
             ),
             Warning::NearGimbalLock { lock, t, angle, part } => write!(
                 f,

@@ -185,20 +185,21 @@ impl KktSolver {
         for line in self.half.chunks_exact_mut(self.n.max(1)) {
             substitute_forward(&self.mass, line);
         }
-        self.choose_rows(system.row_history().unwrap_or(&RowHistory::default()), lengths);
+        let known = self.known_rank(system).unwrap_or(0);
+        self.choose_rows(system.row_history().unwrap_or(&RowHistory::default()), lengths, known);
     }
 
-    /// How many of the rows in force are independent elsewhere.
-    fn usual_rank<S: System + ?Sized>(&self, system: &S) -> usize {
+    /// How many of the rows in force are independent elsewhere, where these are all that act.
+    fn known_rank<S: System + ?Sized>(&self, system: &S) -> Option<usize> {
         let active = rows_in_force(system);
-        let phase = system.description().phases.get(system.phase());
-        phase.filter(|_| active.eq(self.active.iter().copied())).map_or(self.active.len(), |phase| phase.rank as usize)
+        let phase = system.description().phases.get(system.phase())?;
+        active.eq(self.active.iter().copied()).then_some(phase.rank as usize)
     }
 
     /// Rows may seem to depend on each other because masses are very different: those of a light body between heavy ones, or of the
     /// foot of a heavy one.  M + Jᵀ R J, which moves alike, tells them apart; where that is no better by far, they do depend on each other.
     fn part_rows<S: System + ?Sized>(&mut self, system: &S, at: At<'_>) {
-        let usual = self.usual_rank(system);
+        let usual = self.known_rank(system).unwrap_or(self.active.len());
         let distance = self.distance(usual);
         if distance * LOPSIDED > 1.0 {
             return;

@@ -5,8 +5,12 @@ use super::{KktSolver, weighted};
 use crate::mechanism::Singular;
 use crate::mechanism::phased::RowHistory;
 
-/// A row whose pivot, its distance from the rows before it, is below this part of its largest norm is left out.
+/// A row whose pivot, its distance from the rows before it, is below this part of its largest norm is left out, where rows have been independent.
 const WEAK: f64 = 1e-3;
+/// Rows are independent that are further than this from depending on each other: on the way to a singular position all of them are.
+const INDEPENDENT: f64 = 0.01;
+/// Rows that never were independent, as of guides under a small angle, are left out below this: of forces along them rounding leaves nothing.
+const DEPENDENT: f64 = 1e-6;
 /// A row that keeps less than this of its largest norm, and is soon left out, is asked for its entries.
 const FADED: f64 = 0.01;
 /// An entry that was never larger than this part of the largest of its row may be what errors of the motion make of 0, and does not keep the row from
@@ -67,9 +71,14 @@ impl KktSolver {
         of_entries.map(|(entry, largest)| (entry.abs() / largest).min(1.0)).fold(kept, f64::max)
     }
 
+    /// Whether so many rows are clearly independent.
+    pub fn are_independent(&self, count: usize) -> bool {
+        self.rank >= count && self.distance(count) > INDEPENDENT * many(self.active.len())
+    }
+
     /// Pivoted Cholesky of S, scaled by the largest norms before, or such that rows have these lengths; the pivots of some rows are
-    /// chosen last.
-    pub(super) fn choose_rows(&mut self, history: &RowHistory, lengths: Option<&[f64]>) {
+    /// chosen last.  So many rows are known to be independent elsewhere.
+    pub(super) fn choose_rows(&mut self, history: &RowHistory, lengths: Option<&[f64]>, known: usize) {
         let (n, m) = (self.n, self.active.len());
         for k in 0..m {
             for l in 0..=k {
@@ -94,9 +103,9 @@ impl KktSolver {
         }
         self.order.clear();
         self.order.extend(0..m);
-        let weak = WEAK * (MANY / m.max(1) as f64).min(1.0);
         (self.rank, self.weakest) = (m, 1.0);
         for k in 0..m {
+            let weak = if k < known && !history.independent { DEPENDENT } else { WEAK } * many(m);
             let size = |place: usize| self.schur[place * m + place].max(0.0).sqrt();
             // What presses is chosen before what sticks, which may be shared otherwise.
             let turn = |place: usize| match self.order[place] {
@@ -207,6 +216,11 @@ impl KktSolver {
         }
         Ok(())
     }
+}
+
+/// Which part of usual pivots those of so many rows have.
+fn many(rows: usize) -> f64 {
+    (MANY / rows.max(1) as f64).min(1.0)
 }
 
 /// Exchanges two rows and columns of a symmetric matrix, and what is factored already of their rows.
