@@ -350,7 +350,6 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
     fn constraint_bias(&self, at: At<'_>, gamma: &mut [f64]) {
         let u = self.input_block(at.t);
         M::constraint_bias(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), gamma);
-        self.phased.disturb_rows(gamma);
     }
 
     fn friction(&self, at: At<'_>, values: &mut [f64]) {

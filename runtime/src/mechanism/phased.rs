@@ -91,6 +91,10 @@ macro_rules! shared_by_systems {
             self.phased.disturbance = times;
         }
 
+        fn disturbance(&self) -> f64 {
+            self.phased.disturbance
+        }
+
         fn signal(&self, index: usize) -> Option<&Signal> {
             self.signals.get(index)?.as_ref()?.signal()
         }
@@ -169,14 +173,6 @@ impl Phased {
         system.force_errors(at, &mut errors);
         let times = [self.disturbance, -self.disturbance].into_iter().cycle();
         forces.iter_mut().zip(errors).zip(times).for_each(|((force, error), times)| *force += times * error);
-    }
-
-    /// The same to γ, of whose terms nothing is known.
-    pub fn disturb_rows(&self, gamma: &mut [f64]) {
-        if self.disturbance != 0.0 {
-            let times = [self.disturbance, -self.disturbance].into_iter().cycle();
-            gamma.iter_mut().zip(times).for_each(|(gamma, times)| *gamma *= 1.0 + times * 0.5 * f64::EPSILON);
-        }
     }
 
     /// Whether accelerations and multipliers by elimination are as good as those by M and J: where coordinates keep a [`CLEAR`] part of their inertia, and

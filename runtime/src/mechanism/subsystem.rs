@@ -292,6 +292,10 @@ impl System for OfPart {
         self.whole.disturb_forces(times);
     }
 
+    fn disturbance(&self) -> f64 {
+        self.whole.disturbance()
+    }
+
     fn boxed_clone(&self) -> Box<dyn System> {
         Box::new(OfPart {
             whole: self.whole.boxed_clone(),

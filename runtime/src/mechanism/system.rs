@@ -465,10 +465,15 @@ pub trait System: Send + Sync {
         let _ = system;
     }
 
-    /// Lets h and F be wrong from now on, by so many times their [`System::force_errors`], up in one coordinate and down in the next, and γ by so many
-    /// half units in its last place: what such a run differs by tells what the rounding of forces does. 0: as they are.
+    /// Lets h and F be wrong from now on, by so many times their [`System::force_errors`], up in one coordinate and down in the next, and γ and
+    /// J M⁻¹ Jᵀ by so many half units in the last place: what such a run differs by tells what their rounding does. 0: as they are.
     fn disturb_forces(&mut self, times: f64) {
         let _ = times;
+    }
+
+    /// By how many times [`System::disturb_forces`] has forces wrong.
+    fn disturbance(&self) -> f64 {
+        0.0
     }
 
     /// A copy on the heap, for running several at once.

@@ -56,7 +56,7 @@ const WINDOW: f64 = 0.1;
 const TERMS: f64 = 4.0;
 /// A motion is known where its errors are less than this part of what it goes through: three digits hold.
 const KNOWN: f64 = 1e-3;
-/// A state is moved in so many ways.
+/// A state is moved in so many ways, and as far back.
 const SHAKES: usize = 4;
 /// Numbers are printed with so many significant digits at most.
 const MOST: i32 = 15;
@@ -170,10 +170,12 @@ impl Digits {
         let columns = state.len() + run.names.outputs.len();
         let bounds = &self.rows[columns * row..][..state.len()];
         let moved = |pattern: usize| {
-            let sign = |i: usize| if (i * (pattern / 2) + pattern).is_multiple_of(2) { 0.5 } else { -0.5 };
+            // Walsh's patterns, so that no two neighbours always move alike.
+            let back = pattern >= SHAKES;
+            let sign = |i: usize| if ((i & pattern % SHAKES).count_ones() % 2 == 1) == back { 0.5 } else { -0.5 };
             state.iter().zip(bounds).enumerate().map(|(i, (y, bound))| y + sign(i) * bound).collect()
         };
-        std::iter::once(state.to_vec()).chain((0..SHAKES).map(moved)).collect()
+        std::iter::once(state.to_vec()).chain((0..2 * SHAKES).map(moved)).collect()
     }
 
     /// Raises the bounds of the last outputs to what they differ by in these states, the last and others about it: both

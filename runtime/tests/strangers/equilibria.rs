@@ -1,7 +1,7 @@
 //! Equilibria, what is zero but for rounding, modes.
 
 use dalembert::linear::{
-    Guess, Kind, Linearised, Mode, equilibrium_near, linearise, linearise_constrained, linearise_tangent,
+    Guess, Kind, LinearError, Linearised, Mode, equilibrium_near, linearise, linearise_constrained, linearise_tangent,
 };
 use dalembert::mechanism::{Method, System};
 
@@ -555,4 +555,14 @@ scene: {{start: {{x: 0}}, until: 2}}
     };
     assert!(wedge("0.30000003").contains("`floor` (sticks) is on the edge"));
     assert!(!wedge("0.3003").contains("edge"));
+}
+
+/// A rod that a motor shortens: no place stays, and that is the reason, not the iterations.
+#[test]
+fn a_constraint_that_moves_with_time_has_no_rest() {
+    let text = "name: Rod\nparameters: {m: 1 kg, l: 1 m, a: 0.2 m, w: 3 rad/s, g: 9.81 m/s^2}\ncoordinates: {x: m, y: m}\n\
+                bodies: {bob: {mass: m, position: '[x, y]'}}\ngravity: [0, -g]\n\
+                constraints: {rod: 'x^2 + y^2 - (l + a*sin(w*t))^2'}\nscene: {start: {x: 1, y: 0, y': -0.5}, until: 4}\n";
+    let found = linearise_constrained(&case(text).system, &Guess::at(&[0.0, -1.0]), false);
+    assert!(matches!(&found, Err(LinearError::DependsOnTime { coordinate }) if coordinate == "rod"), "{found:?}");
 }

@@ -70,7 +70,7 @@ pub fn linearise_constrained<S: System + ?Sized>(
                 let v = held.moving(&guess.q, &guess.v)?;
                 Found { state: held.state(&guess.q, &v), iterations: 0, slow: None }
             }
-            false => held.rest(guess)?,
+            false => held.rest(guess).map_err(|why| held.driven_by_time(guess).unwrap_or(why))?,
         };
         let (mut small, there) = held.in_independent_coordinates(&found.state, found.iterations, &guess.inputs)?;
         small.linear.equilibrium.freedom = held.freedom(&found.state, &small)?;

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::linear::equilibrium::force_unit;
 use crate::linear::matrices::natural_sizes;
-use crate::linear::{LinearError, Residual};
+use crate::linear::{Guess, LinearError, Residual};
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{
     constraint_matrix, constraint_rate_jacobian, constraint_slopes, constraint_triples, force_slopes, mass_matrix,
@@ -463,6 +463,16 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
             }
         }
         Ok(())
+    }
+
+    /// That a constraint moves with time by itself, beyond the inputs, if one does: a search that found no rest could find none.
+    pub fn driven_by_time(&self, guess: &Guess) -> Option<LinearError> {
+        let still = vec![0.0; self.n];
+        let moves = |row: &&usize| {
+            TIMES.iter().any(|t| constraint_triples(self.system, At::new(*t, &guess.q, &still))[**row][1] != 0.0)
+        };
+        let row = self.rows.iter().find(moves)?;
+        Some(LinearError::DependsOnTime { coordinate: self.system.description().rows[*row].name.to_string() })
     }
 
     /// What is left of the forces.

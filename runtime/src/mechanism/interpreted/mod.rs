@@ -236,7 +236,6 @@ impl System for Interpreted {
 
     fn constraint_bias(&self, at: At<'_>, gamma: &mut [f64]) {
         self.evaluate(Function::ConstraintBias, at, gamma);
-        self.phased.disturb_rows(gamma);
     }
 
     fn friction(&self, at: At<'_>, values: &mut [f64]) {

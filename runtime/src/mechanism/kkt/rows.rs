@@ -1,7 +1,7 @@
 //! Which rows count, and solutions with those that do.
 
 use super::shares::Shares;
-use super::{KktSolver, weighted};
+use super::{KktSolver, weighted, wrong};
 use crate::mechanism::Singular;
 use crate::mechanism::phased::RowHistory;
 
@@ -76,16 +76,24 @@ impl KktSolver {
         self.rank >= count && self.distance(count) > INDEPENDENT * many(self.active.len())
     }
 
-    /// Pivoted Cholesky of S, scaled by the largest norms before, or such that rows have these lengths; the pivots of some rows are
-    /// chosen last.  So many rows are known to be independent elsewhere.
-    pub(super) fn choose_rows(&mut self, history: &RowHistory, lengths: Option<&[f64]>, known: usize) {
+    /// S = J M⁻¹ Jᵀ, wrong by so many half units in the last place.
+    pub(super) fn multiply_rows(&mut self, disturbance: f64) {
         let (n, m) = (self.n, self.active.len());
         for k in 0..m {
             for l in 0..=k {
                 let s = weighted(&self.mass, &self.half[k * n..][..n], &self.half[l * n..][..n]);
+                let s = wrong(s, k + l, disturbance);
                 self.schur[k * m + l] = s;
                 self.schur[l * m + k] = s;
             }
+        }
+    }
+
+    /// Pivoted Cholesky of S, scaled by the largest norms before, or such that rows have these lengths; the pivots of some rows are
+    /// chosen last.  So many rows are known to be independent elsewhere.
+    pub(super) fn choose_rows(&mut self, history: &RowHistory, lengths: Option<&[f64]>, known: usize) {
+        let m = self.active.len();
+        for k in 0..m {
             let norm = self.schur[k * m + k].max(0.0).sqrt();
             let largest = history.norms.get(self.active[k]).copied().unwrap_or(0.0);
             self.norms[k] = match lengths.map(|lengths| lengths[k]) {
