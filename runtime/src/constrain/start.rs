@@ -132,9 +132,12 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
         let (jacobian, triples) = (self.jacobian(y, rows).abs(), self.triples(y));
         let by_place = &jacobian * sizes;
         let nothing = jacobian * self.sizes(y).rows(0, self.n) * SECOND_ROUNDING;
+        // What moves with time by itself is known as well as time is.
+        let still = [&y[..self.n], &vec![0.0; self.n]].concat();
+        let (own, late) = (self.triples(&still), ROUNDING * self.t.abs());
         let of = |k: usize| {
             let known = (MISSED * triples[rows[k]][2].max(by_place[k])).max(nothing[k]);
-            known.max(rounding_of_parameters(self.system, rows[k]))
+            known.max(rounding_of_parameters(self.system, rows[k])).max(late * own[rows[k]][1].abs())
         };
         (0..rows.len()).map(of).collect()
     }

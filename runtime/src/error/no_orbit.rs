@@ -112,6 +112,11 @@ pub enum NoOrbit {
         /// What was to vary.
         name: String,
     },
+    /// The motion does not depend on what was to vary.
+    NoEffect {
+        /// It.
+        name: String,
+    },
     /// A family has no threshold of this number.
     NoThreshold {
         /// It.
@@ -254,6 +259,11 @@ impl fmt::Display for NoOrbit {
             NoOrbit::Interrupted { start } => write!(f, "interrupted; the search had come to {}", Listed(start)),
             NoOrbit::TurnsSharply => f.write_str("the family turns too sharply to be followed"),
             NoOrbit::NoFamily { name } => write!(f, "the motion belongs to no family that can be followed by `{name}`"),
+            NoOrbit::NoEffect { name } => write!(
+                f,
+                "the equations do not contain `{name}`: it changes where the search begins, and not the motion that is found; \
+                 `energy` varies along a family of free motions"
+            ),
             NoOrbit::NoThreshold { number, known } => {
                 write!(f, "the family has no threshold {number}: there are {known}")
             }

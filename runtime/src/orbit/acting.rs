@@ -1,7 +1,7 @@
 //! What acts with the present parameters: a force whose amplitude is 0 does not, nor does a damper whose coefficient is 0.  A parameter that varies
 //! along a family counts as other than 0, so that all its members have one structure.
 
-use crate::mechanism::{Along, At, Function, System};
+use crate::mechanism::{Action, Along, At, Function, System};
 
 /// States and times at which is looked whether something acts.  What a parameter that is 0 multiplies is exactly 0 at all of them; anything else that
 /// is 0 there, as a pulse between its beginnings, would have to be so by chance.
@@ -25,6 +25,14 @@ pub(super) fn keeps_energy(system: &dyn System, varies: &[usize], near: &[f64]) 
     let said = description.structure.conservative && description.time_pattern.is_empty();
     let powerless = |system: &dyn System, at: At<'_>| system.energy(at).power == 0.0 && is_timeless(system, at);
     said || has_zero(system) && everywhere(system, near, &powerless)
+}
+
+/// Whether a motion may depend on a parameter: equations, constraints or what events wait for contain it, or events and contacts do anything.
+pub(super) fn parameter_acts(system: &dyn System, parameter: usize, near: &[f64]) -> bool {
+    let description = system.description();
+    let acts = description.events.iter().any(|event| event.actions.iter().any(|action| *action != Action::Record));
+    let along = Along { parameter: Some(parameter), ..Along::default() };
+    acts || !system.contacts().all.is_empty() || !everywhere(system, near, &|system, at| stays(system, at, &along))
 }
 
 /// The mechanism with other values than 0 of parameters that vary.
@@ -58,6 +66,11 @@ fn everywhere(system: &dyn System, near: &[f64], is_so: &dyn Fn(&dyn System, At<
 
 /// Whether no force, constraint, event or energy changes with time in a state.
 fn is_timeless(system: &dyn System, at: At<'_>) -> bool {
+    stays(system, at, &Along { t: 1.0, ..Along::default() })
+}
+
+/// Whether no force, constraint, event or energy changes along a direction.
+fn stays(system: &dyn System, at: At<'_>, along: &Along<'_>) -> bool {
     let (rows, events) = (system.description().rows.len(), system.description().events.len());
     let functions = [
         (Function::Residual, system.len()),
@@ -69,7 +82,7 @@ fn is_timeless(system: &dyn System, at: At<'_>) -> bool {
     ];
     functions.into_iter().all(|(function, size)| {
         let mut slopes = vec![0.0; size];
-        let known = system.slopes(function, at, &Along { t: 1.0, ..Along::default() }, &mut slopes);
+        let known = system.slopes(function, at, along, &mut slopes);
         known && slopes.iter().all(|slope| *slope == 0.0)
     })
 }

@@ -65,6 +65,11 @@ impl Laps {
         Ok(Point { starts, lap, parameter })
     }
 
+    /// Whether the pieces of a motion meet.
+    pub fn pieces_meet(&self, solution: &Solution) -> bool {
+        solution.trial.r.norm() <= OPEN * self.settings.tolerance
+    }
+
     /// Starts of twice as many pieces of a motion: where each piece began, and in its middle.
     pub fn halved(&self, solution: &Solution) -> Option<Point> {
         let mut starts = Vec::with_capacity(2 * solution.trial.pieces.len());
@@ -278,19 +283,36 @@ impl Begun {
         if !self.may_shrink() {
             return Ok(None);
         }
+        if let Some(laps) = self.laps_of_the_guess(solution, to) {
+            self.repeats *= laps;
+            let Some(point) = self.part_of(solution, laps) else { return Ok(None) };
+            let lap = self.laps.solve(point, None)?;
+            return self.reduce(&lap).map(|smaller| smaller.or(Some(lap)));
+        }
         let systems = self.systems(duration_of_lap(solution))?;
         let Some(closing) = smallest::smallest(&systems, &self.laps, solution, to) else {
             return self.laps.solve(solution.point.clone(), None).map(Some);
         };
         let By::Part(part) = closing.by else { return Ok(None) };
-        self.repeats = part / closing.order().min(part);
+        self.repeats *= part / closing.order().min(part);
         let reversed = std::mem::take(&mut self.laps.closing.reversed);
         self.laps.closing = Closing { reversed, ..closing };
+        let Some(point) = self.part_of(solution, part) else { return Ok(None) };
+        self.laps.solve(point, None).map(Some)
+    }
+
+    /// After how many parts of its period a motion that no time drives is as it was, if more than one; the most of them.
+    fn laps_of_the_guess(&self, solution: &Solution, to: f64) -> Option<usize> {
+        let free = self.laps.time != Time::Driven;
+        free.then(|| smallest::laps(solution, (&self.laps.scales, to))).flatten()
+    }
+
+    /// Starts of the pieces of this part of a period.
+    fn part_of(&mut self, solution: &Solution, part: usize) -> Option<Point> {
         self.laps.legs = if self.chosen { self.laps.legs } else { self.laps.legs.div_ceil(part).max(2) };
         let (legs, point) = (self.laps.legs, &solution.point);
-        let starts = (0..legs).map(|k| solution.at(k as f64 / (legs * part) as f64)).collect::<Option<Vec<_>>>();
-        let Some(starts) = starts else { return Ok(None) };
-        self.laps.solve(Point { starts, lap: point.lap / part as f64, ..*point }, None).map(Some)
+        let starts = (0..legs).map(|k| solution.at(k as f64 / (legs * part) as f64)).collect::<Option<Vec<_>>>()?;
+        Some(Point { starts, lap: point.lap / part as f64, ..*point })
     }
 
     /// How well a motion is known, in units of the scales: what more accurate runs make of it, and Newton's last step.
@@ -417,8 +439,7 @@ impl Begun {
         let grows = found.multipliers.iter().map(|polar| polar.log).fold(0.0, f64::max);
         let laps = &self.laps;
         // Where damping is all but none every motion all but closes, and what is left of it is as small as steps can make it.
-        let open = solution.trial.r.norm() > OPEN * laps.settings.tolerance;
-        if !open && returns <= follows_to(known) * (grows * laps.laps as f64).exp() {
+        if laps.pieces_meet(solution) && returns <= follows_to(known) * (grows * laps.laps as f64).exp() {
             return Ok(returns);
         }
         let start = laps.start_of(&solution.point);

@@ -1,5 +1,6 @@
 //! Motions that repeat, as a parameter or their energy varies.
 
+use super::acting;
 use super::found::{Multiplier, Orbit, map_in_words};
 use super::search::{OrbitSearch, with_returns};
 use super::structure;
@@ -166,6 +167,9 @@ impl OrbitSearch {
         let scene = self.scene();
         let mut begun = self.begin()?;
         if let Varied::Parameter(k) = varied {
+            if !acting::parameter_acts(&*begun.laps.system, k, &begun.point.starts[0]) {
+                return Err(NoOrbit::NoEffect { name: name.to_owned() }.into());
+            }
             begun.elsewhere = sampled(values).map(|value| vec![(k, value)]).collect();
             begun.closes_elsewhere()?;
         }

@@ -6,6 +6,8 @@ use crate::mechanism::System;
 
 /// Parts of a period that are tried.
 const PARTS: usize = 12;
+/// A guess may go round so many times.
+const LAPS: usize = 100;
 /// Coordinates follow each other at so many times of a period.
 const TIMES: usize = 24;
 /// Coordinates that follow each other to this part of how far they go are one another's images,
@@ -38,6 +40,18 @@ pub(super) fn smallest(systems: &[WithPeriod], laps: &Laps, solution: &Solution,
         };
         (!systems.iter().any(differs)).then_some(closing)
     })
+}
+
+/// How often a motion is as it was within its period, to a part of the scales: the most, if more than once.
+pub(super) fn laps(solution: &Solution, (scales, to): (&[f64], f64)) -> Option<usize> {
+    let start = solution.at(0.0)?;
+    let again = |laps: &usize| {
+        let later = solution.at(1.0 / *laps as f64);
+        later.is_some_and(|later| {
+            start.iter().zip(&later).zip(scales).all(|((here, later), scale)| (here - later).abs() <= to * scale)
+        })
+    };
+    (2..=LAPS).rev().find(again)
 }
 
 /// Which coordinate follows which a part of the period later, to a part of the scales.

@@ -70,8 +70,8 @@ pub(super) struct Walk {
 impl Walk {
     /// The member near a guess, and which way the family goes there: as `before` does, or towards larger values.
     pub fn node(&mut self, guess: Point, before: Option<&DVector<f64>>) -> Result<Node, Error> {
+        let solution = self.solved(guess)?;
         let laps = &mut self.begun.laps;
-        let solution = laps.solve(guess, self.nullity.map(|count| count + self.aside))?;
         let spectrum = spectrum(laps, &solution.trial);
         let free = solution.linear.free().len();
         let mut tangent = self.tangent(&solution, &spectrum, (free, before));
@@ -97,6 +97,24 @@ impl Walk {
         }
         let scales = self.begun.laps.scales.clone();
         Ok(Node { solution, spectrum, value, slope, tangent, scales })
+    }
+
+    /// The motion near a guess, with as many free directions as its family has.  Some that are free where the family begins, as near rest two modes of one
+    /// frequency are, need not be so farther on: motions that leave them out do not close there.
+    fn solved(&mut self, guess: Point) -> Result<Solution, Error> {
+        let laps = &mut self.begun.laps;
+        let Some(most) = self.nullity else { return laps.solve(guess, None) };
+        let mut solution = laps.solve(guess.clone(), Some(most + self.aside))?;
+        if self.aside == 0 {
+            for fewer in (1..most).rev() {
+                if laps.pieces_meet(&solution) {
+                    break;
+                }
+                solution = laps.solve(guess.clone(), Some(fewer))?;
+                self.nullity = Some(fewer);
+            }
+        }
+        Ok(solution)
     }
 
     /// The direction along a family: of those in which nothing changes, so many, what structure does not explain; as `before` goes.
