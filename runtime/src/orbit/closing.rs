@@ -194,6 +194,7 @@ impl Closing {
         };
         let spreads: Vec<f64> = (0..2 * n).map(spread).collect();
         let every = states.len().div_ceil(PLACES).max(1);
+        let mut pairs = Vec::new();
         for (place, (t, y, phase)) in states.iter().step_by(every).enumerate() {
             // A little beside the motion, which may have symmetries that the mechanism has not.
             let beside: Vec<f64> =
@@ -213,14 +214,13 @@ impl Closing {
             };
             // The accelerations at the state at the end, taken to the start.
             let back = self.turned(&[b.as_slice(), &vec![0.0; n]].concat());
-            let size = a.iter().chain(&b).fold(0.0_f64, |most, x| most.max(x.abs()));
-            let differs = |i: &usize| (a[*i] - back[*i]).abs() > DIFFERS * size;
-            if let Some(i) = (0..n).find(differs) {
-                let coordinate = system.description().coordinates[i].name.to_string();
-                return Some(Difference { coordinate, here: a[i], there: back[i] });
-            }
+            pairs.extend(a.into_iter().zip(back).enumerate());
         }
-        None
+        // Beside the largest of all states: in one of them nothing may accelerate but for rounding.
+        let size = pairs.iter().fold(0.0_f64, |most, (_, (a, b))| most.max(a.abs()).max(b.abs()));
+        let differs = |(_, (here, there)): &(usize, (f64, f64))| (here - there).abs() > DIFFERS * size;
+        let (i, (here, there)) = pairs.into_iter().find(differs)?;
+        Some(Difference { coordinate: system.description().coordinates[i].name.to_string(), here, there })
     }
 
     /// An event that changes the motion and whose image, `later` seconds after, is none of the events that do: time acts in it otherwise then.

@@ -70,17 +70,28 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     if options.get_one::<String>("at-time").is_some() {
         return instant::run(context, options, out);
     }
-    let Prepared { loaded, scene, mut reader, speeds, place, held } = prepared(context, options)?;
-    for warning in loaded.warnings.iter().chain(&held) {
+    let prepared = prepared(context, options)?;
+    for warning in prepared.loaded.warnings.iter().chain(&prepared.held) {
         eprintln!("warning: {warning}");
     }
+    let absent = inputs_at_0(&prepared.loaded, options)?;
+    small_motions(prepared, options, out).map_err(|problem| match (problem, absent) {
+        (Problem::Run(text), Some(absent)) => Problem::Run(format!("{text}; {absent}")),
+        (problem, _) => problem,
+    })
+}
+
+/// Searches, linearises and prints.
+fn small_motions(prepared: Prepared, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
+    let Prepared { loaded, scene, mut reader, speeds, place, held } = prepared;
     if options.get_flag("sampled") {
         return sampled(&loaded, options, place.guess, out);
     }
     if loaded.system.description().has_states() {
         return with_states(&loaded, options, &mut reader, &place, out);
     }
-    if has_dependent_coordinates(&*loaded.system) {
+    let together = options.get_flag("steady") && steady::go_on_together(&loaded, &place.guess)?;
+    if has_dependent_coordinates(&*loaded.system) || together {
         return constrained::run(&loaded, options, &mut reader, (scene, &speeds), &place, out);
     }
     let system = &*loaded.system;
@@ -365,6 +376,20 @@ fn held_inputs(loaded: &Loaded, options: &ArgMatches) -> Result<Vec<f64>, Proble
     let given = pairs(options, "input")?;
     let value = |(name, block): (&_, &[f64])| if given.iter().any(|(known, _)| known == name) { block[0] } else { 0.0 };
     Ok(names.iter().zip(values.chunks_exact(3)).map(value).collect())
+}
+
+/// That inputs are 0 which nobody gives and which are not so in a run: a reason why nothing may be found.
+fn inputs_at_0(loaded: &Loaded, options: &ArgMatches) -> Result<Option<String>, Problem> {
+    let names = &loaded.system.description().inputs;
+    let mut values = vec![0.0; 3 * names.len()];
+    loaded.system.inputs(0.0, &mut values);
+    let given = pairs(options, "input")?;
+    let absent = |(name, block): (&_, &[f64])| {
+        let told =
+            format!("`{name}` is 0 here, as inputs are that nobody gives (--input {name}={} does)", short(block[0]));
+        (block[0] != 0.0 && !given.iter().any(|(known, _)| known == name)).then_some(told)
+    };
+    Ok(names.iter().zip(values.chunks_exact(3)).find_map(absent))
 }
 
 /// Writes `--plot`, `--matrices` and `--animate`; of an animated picture it tells people how it plays.

@@ -86,17 +86,20 @@ impl Speeds {
     }
 }
 
+/// Whether coordinates go on together where none does alone, as two wheels on an elastic shaft do: small motions are then about a steady motion of a
+/// mechanism with dependent coordinates, though it has no constraints.
+pub(super) fn go_on_together(loaded: &Loaded, guess: &Guess) -> Result<bool, Problem> {
+    let alone = || lone_steady_coordinates(&*loaded.system, guess).map_err(failed);
+    Ok(guess.v.iter().any(|v| *v != 0.0) && !has_dependent_coordinates(&*loaded.system) && alone()?.is_empty())
+}
+
 /// The coordinates that can go on steadily, from a start with these speeds.
 fn going(loaded: &Loaded, guess: &Guess, start: &[f64]) -> Result<Vec<usize>, Problem> {
     if !has_dependent_coordinates(&*loaded.system) {
         let alone = lone_steady_coordinates(&*loaded.system, guess).map_err(failed)?;
-        return match alone.is_empty() {
-            false => Ok(alone),
-            true => Err(Problem::usage(format!(
-                "--steady: `{}` has no coordinate on whose value nothing depends; describe what turns by an angle on which nothing depends",
-                loaded.name
-            ))),
-        };
+        if !alone.is_empty() {
+            return Ok(alone);
+        }
     }
     let going = steady_coordinates(&*loaded.system, guess).map_err(failed)?;
     if let Some(turning) = turning(loaded, guess, start, &going)? {
@@ -116,8 +119,8 @@ fn going(loaded: &Loaded, guess: &Guess, start: &[f64]) -> Result<Vec<usize>, Pr
     match going.is_empty() {
         false => Ok(going),
         true => Err(Problem::usage(format!(
-            "--steady: in `{}` the equations or the constraints depend on the value of every coordinate, so that none can go \
-             on at a constant rate; describe what turns by an angle on which nothing depends, as in `[r*cos(phi), r*sin(phi)]` with \
+            "--steady: in `{}` equations or constraints depend on the value of every coordinate, and of those that go on together, so that \
+             none can go on at a constant rate; describe what turns by an angle on which nothing depends, as in `[r*cos(phi), r*sin(phi)]` with \
              the constraint `r - l`, not by its x and y",
             loaded.name
         ))),

@@ -148,7 +148,7 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
             }
         }
         if defined < DEFINED {
-            return Err(LinearError::NonFinite { what: "the equations near the steady motion".to_owned() });
+            return Err(LinearError::NonFinite { what: "an equation near the steady motion".to_owned() });
         }
         let failed = LinearError::NoConvergence { what: "the search for coordinates that go on steadily" };
         // What no row contains is free by itself; the others as parts of their sizes.
