@@ -115,15 +115,13 @@ pub(crate) fn sizes_alike(description: &Description, numbers: &[f64]) -> Vec<f64
     (0..numbers.len()).map(|i| largest[unit(i)]).collect()
 }
 
-/// What of a row of the constraints may be rounding where a motion begins, since the start is a sum of parameters that cancel, as 0.3 − 0.1 − 0.2: some
-/// roundings of the largest parameter that has its unit.
+/// What of a row of the constraints may be rounding where a motion begins, since the start is a sum of parameters that cancel, as 0.3 − 0.1 − 0.2, or a
+/// vibration after whole periods.
 pub(crate) fn rounding_of_parameters<S: System + ?Sized>(system: &S, row: usize) -> f64 {
-    /// A sum of a few terms.
-    const ROUNDINGS: f64 = 16.0 * f64::EPSILON;
     let Description { rows, parameters, .. } = system.description();
     let unit = &rows[row].unit;
     let alike = parameters.iter().zip(system.parameters()).filter(|(known, _)| known.unit == *unit && !unit.is_empty());
-    ROUNDINGS * alike.fold(0.0, |most, (_, value)| f64::max(most, value.abs()))
+    ROUNDING * alike.fold(0.0, |most, (_, value)| f64::max(most, value.abs()))
 }
 
 /// Σ |M⁻¹ Jₖᵀ Pₖ| for the impulses P of these rows: the sizes beside which the jump of each rate, the sum of these, is rounded; `None`

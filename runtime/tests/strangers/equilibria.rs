@@ -566,3 +566,29 @@ fn a_constraint_that_moves_with_time_has_no_rest() {
     let found = linearise_constrained(&case(text).system, &Guess::at(&[0.0, -1.0]), false);
     assert!(matches!(&found, Err(LinearError::DependsOnTime { coordinate }) if coordinate == "rod"), "{found:?}");
 }
+
+/// Two wheels on an elastic shaft go on together, though the value of neither angle is free: ω² = k (1/J₁ + 1/J₂).
+#[test]
+fn wheels_that_only_go_on_together_have_a_steady_motion() {
+    let text = "name: Gears\nparameters: {J1: 0.1 kg*m^2, J2: 0.4 kg*m^2, k: 1000 N*m/rad, W: 100 rad/s}\ncoordinates: {a: rad, f: rad}\n\
+                kinetic_energy: J1*a'^2/2 + J2*f'^2/2\npotential_energy: k*(a - f)^2/2\n\
+                scene: {start: {a': W, f': W}, until: 1}\n";
+    let path = folder("together").join("gears.yaml");
+    std::fs::write(&path, text).expect("written");
+    let told = program(&["modes", path.to_str().expect("a path"), "--steady"]).expect("modes");
+    assert!(told.contains("111.803"), "{told}");
+}
+
+/// A rod whose length is an input that nobody gives: the input is named.
+#[test]
+fn inputs_that_are_0_are_named_where_nothing_is_found() {
+    let text = "name: Rope\nparameters: {m: 1 kg, g: 9.81 m/s^2}\ncoordinates: {x: m, y: m}\ninputs: {L: 1.1 m}\n\
+                bodies: {bob: {mass: m, position: '[x, y]'}}\ngravity: [0, -g]\nconstraints: {rope: 'norm([x, y]) - L'}\n\
+                scene: {start: {x: 0.1}, guess: {y: -1}, until: 1}\n";
+    let path = folder("inputs").join("rope.yaml");
+    std::fs::write(&path, text).expect("written");
+    let path = path.to_str().expect("a path");
+    let refused = program(&["modes", path]).expect_err("no rest");
+    assert!(refused.contains("`L` is 0 here") && refused.contains("--input L=1.1"), "{refused}");
+    assert!(program(&["modes", path, "--input", "L=1.1"]).is_ok());
+}

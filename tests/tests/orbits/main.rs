@@ -275,3 +275,57 @@ fn a_motion_that_turns_round_at_rest_begins_there() {
         near(number(&found["start"][rate]["value"]), 0.0, 1e-12);
     }
 }
+
+/// A guess of so many periods of √10 rad/s is told by one of them, however many they are.
+#[test]
+fn a_guess_of_many_periods_is_told_by_one() {
+    let file = written(
+        "name: Laps\nparameters: {m: 1 kg, k: 10 N/m}\ncoordinates: {x: m}\nkinetic_energy: m*x'^2/2\n\
+         potential_energy: k*x^2/2\nscene: {start: {x: 1}, until: 100}\n",
+    );
+    let period = std::f64::consts::TAU / 10.0_f64.sqrt();
+    for laps in [1, 2, 7, 13, 14, 15, 22] {
+        let guess = (f64::from(laps) * period).to_string();
+        let found = told(&[&file, "--period", &guess]).unwrap();
+        holds(&found["period"], period, 1e-9);
+    }
+}
+
+/// A family by what the start alone contains has one motion at each of its places.
+#[test]
+fn what_the_equations_do_not_contain_is_no_family() {
+    let file = written(
+        "name: Hardening\nparameters: {m: 1 kg, k: 1 N/m, b: 1 N/m^3, A: 1 m}\ncoordinates: {x: m}\n\
+         bodies: {p: {mass: m, position: '[x, 0]'}}\nforces: {f: {on: p, force: '[-k*x - b*x^3, 0]'}}\n\
+         scene: {start: {x: A}, until: 20}\n",
+    );
+    let refused = told(&[&file, "--vary", "A=0.5..2"]).unwrap_err();
+    assert!(refused.contains("the equations do not contain `A`"), "{refused}");
+    assert!(told(&[&file, "--vary", "k=1,1.2"]).is_ok());
+}
+
+/// The motions of a family close: two modes of one frequency (Hénon and Heiles 1964) look free where it begins, and are not farther on.
+#[test]
+fn directions_that_are_free_where_a_family_begins_need_not_stay_so() {
+    let file = written(
+        "name: Heiles\nparameters: {lam: 1}\ncoordinates: {x: 1, y: 1}\nkinetic_energy: (x'^2 + y'^2)/2\n\
+         potential_energy: (x^2 + y^2)/2 + lam*(x^2*y - y^3/3)\nscene: {start: {x: 0.1, y: 0, y': 0.1}, until: 50}\n",
+    );
+    let found = told(&[&file, "--from", "mode 2", "--amplitude", "0.2", "--vary", "energy=0.02..0.15"]).unwrap();
+    // scipy, by the return of y = 0 at a tolerance of 1e-12.
+    let thresholds = found["thresholds"].as_array().unwrap();
+    let doubling = thresholds.iter().find(|found| (number(&found["value"]) - 0.135_285_919_3).abs() < 1e-8);
+    assert!(doubling.is_some(), "{thresholds:?}");
+    // Each member of the one that looks free closes by a run of its own.
+    let found = told(&[&file, "--from", "mode 1", "--vary", "energy=..0.001"]).unwrap();
+    let member = found["members"].as_array().unwrap().last().unwrap().clone();
+    let (period, start) = (number(&member["period"]), &member["start"]);
+    let until = period.to_string();
+    let starts = ["x", "y", "x'", "y'"].map(|name| format!("{name}={}", number(&start[name])));
+    let mut arguments = vec!["simulate", &file, "--until", &until, "--tolerance", "1e-12"];
+    starts.iter().for_each(|start| arguments.extend(["--start", start]));
+    let run = dalembert_tests::told::told(&arguments).unwrap();
+    for name in ["x", "y"] {
+        near(number(&run["q"][name]), number(&start[name]), 1e-8);
+    }
+}
