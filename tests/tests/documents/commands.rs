@@ -111,7 +111,7 @@ fn model_of(block: &Block<'_>, last: &str) -> Option<String> {
     }
 }
 
-/// Runs every command of a page, and looks for what it shows, lines in order.  A model is the file that the next command with one names.
+/// Runs every command of a page, and looks for what it shows, lines in order; ` ...` stands for what is left out of a line, `...` alone for lines.  A model is the file that the next command with one names.
 pub fn run_page(path: &Path, text: &str) -> Outcome {
     let name = path.strip_prefix(root()).unwrap_or(path).display().to_string().replace('/', "-");
     let folder = std::env::temp_dir().join(format!("dalembert-{name}-{}", std::process::id()));
@@ -135,8 +135,10 @@ pub fn run_page(path: &Path, text: &str) -> Outcome {
             let shown = blocks.get(k + 1).filter(|next| next.before.trim().is_empty()).map_or("", |next| next.text);
             let mut lines = printed.lines();
             for shown in shown.lines().filter(|line| *line != "...") {
-                let (head, tail) = shown.split_once(" ...").unwrap_or((shown, ""));
-                let found = lines.any(|line| line.starts_with(head) && line.ends_with(tail));
+                let found = match shown.split_once(" ...") {
+                    Some((head, tail)) => lines.any(|line| line.starts_with(head) && line.ends_with(tail)),
+                    None => lines.any(|line| line == shown),
+                };
                 assert!(found, "{}: {command}\n`{shown}` is not printed:\n{printed}", path.display());
             }
         }
