@@ -290,6 +290,9 @@ fn help(name: &str) -> String {
         return "temperatures are in kelvin: 20 degrees Celsius are `293.15 K`, a difference of 20 degrees is `20 K`"
             .to_owned();
     }
+    if let Some((other, is)) = OTHERS.iter().find(|(other, _)| other.eq_ignore_ascii_case(name)) {
+        return format!("1 {other} is {is}");
+    }
     let meant = MEANT.iter().find(|(other, _)| other.eq_ignore_ascii_case(name)).map(|(_, unit)| *unit);
     let product = || product(name).map(|(first, second)| format!("{first}*{second}"));
     let near = || nearest(name, COMMON.iter().copied()).map(str::to_owned);
@@ -314,6 +317,29 @@ fn product(name: &str) -> Option<(&str, &str)> {
 
 /// What products of units begin with.
 const FACTORS: &[&str] = &["N", "kN", "J", "W", "kg", "A", "V", "lbf"];
+
+/// Units that are none here, and what one of each is.
+const OTHERS: &[(&str, &str)] = &[
+    ("kgf", "9.80665 N"),
+    ("kp", "9.80665 N"),
+    ("dyn", "1e-5 N"),
+    ("kip", "1000 lbf"),
+    ("bar", "100 kPa"),
+    ("mbar", "100 Pa"),
+    ("atm", "101325 Pa"),
+    ("erg", "1e-7 J"),
+    ("cal", "4.184 J"),
+    ("kWh", "3.6 MJ"),
+    ("hp", "745.69987 W"),
+    ("PS", "735.49875 W"),
+    ("yd", "3 ft"),
+    ("mi", "5280 ft"),
+    ("mph", "0.44704 m/s"),
+    ("knot", "1852 m/h"),
+    ("slug", "14.593903 kg"),
+    ("oz", "28.349523125 g"),
+    ("rps", "60 rpm"),
+];
 
 /// Often written, and what is meant.
 const MEANT: &[(&str, &str)] = &[
@@ -352,7 +378,6 @@ const MEANT: &[(&str, &str)] = &[
     ("kph", "km/h"),
     ("mps", "m/s"),
     ("psi", "lbf/in^2"),
-    ("bar", "kPa"),
     ("dps", "deg/s"),
     ("amp", "A"),
     ("ampere", "A"),
@@ -408,6 +433,12 @@ mod tests {
         assert_eq!(parse_unit("mT").unwrap().scale, Rational::new(1, 1000).unwrap());
         for (text, meant) in [("Ohm", "ohm"), ("volt", "V"), ("Nms", "N*m*s"), ("Nmm", "N*mm")] {
             assert_eq!(parse_unit(text).unwrap_err()[0].help, format!("did you mean `{meant}`?"), "{text}");
+        }
+        for (text, is) in [("kgf", "1 kgf is 9.80665 N"), ("bar", "1 bar is 100 kPa"), ("KIP", "1 kip is 1000 lbf")] {
+            assert_eq!(parse_unit(text).unwrap_err()[0].help, is);
+        }
+        for (other, is) in OTHERS {
+            assert!(parse_unit(is.split_once(' ').expect("a number").1).is_ok(), "{other}");
         }
         for text in ["degC", "Celsius"] {
             assert!(parse_unit(text).unwrap_err()[0].help.contains("293.15 K"), "{text}");
