@@ -259,6 +259,10 @@ fn comparison(
     progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Option<ComparisonRun> {
     let mut other = alike(system, settings, run);
+    if run.method == Method::Exact {
+        // At another tolerance `auto` might take another method, whose errors say nothing of these.
+        other.method = Method::Exact;
+    }
     let disturbed = cancelling_forces::cancel(system, run);
     if disturbed && run.method == Method::Taylor {
         // The series are those of forces as they are.
