@@ -22,7 +22,7 @@ pub enum Stability {
 /// The analysis of z' = A z.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FirstOrder {
-    /// All eigenvalues, 1/s: zeros first, exactly 0; then by rising size.
+    /// All eigenvalues, 1/s: zeros first, exactly 0; then by rising size, with a real part of 0 where rounding hides its sign.
     pub eigenvalues: Vec<Complex<f64>>,
     /// Eigenvectors of the eigenvalues that are not 0, of unit length: z = Re(shape · e^(λt)).
     pub shapes: Vec<DVector<Complex<f64>>>,
@@ -101,6 +101,8 @@ pub(super) fn of_pairs(
         () if zeros > 0 || others.iter().any(|pair| pair.value.re >= -pair.error) => Stability::Neutral,
         () => Stability::Asymptotic,
     };
+    // A real part that is not told from 0 says nothing of what grows.
+    others.iter_mut().filter(|pair| pair.value.re.abs() <= pair.error).for_each(|pair| pair.value.re = 0.0);
     let zero = std::iter::repeat_n(Complex::new(0.0, 0.0), zeros);
     FirstOrder {
         eigenvalues: zero.chain(others.iter().map(|pair| pair.value)).collect(),
