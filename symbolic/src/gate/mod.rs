@@ -376,7 +376,10 @@ fn dependent_rows(
         let name = &model.phases[phase].name;
         let phase = if name.is_empty() { String::new() } else { format!(" of the phase `{name}`") };
         let name = format!("`{}`", model.row_name(row));
-        let warning = verdicts::redundant(place(model, row), name, phase + particular, listed(&names));
+        // One row of a joint is not to be left out alone.
+        let of_joint = model.constraint_of_row(row).is_some_and(|constraint| constraint.name.contains('.'));
+        let help = if of_joint { "other joints hold this, too" } else { "leave it out" };
+        let warning = verdicts::redundant(place(model, row), name, phase + particular, help, listed(&names));
         model.warnings.push(warning);
     }
     problems

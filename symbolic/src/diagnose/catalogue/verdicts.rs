@@ -43,8 +43,8 @@ super::entries! {
     E514 constraints_not_met(names, tried) "constraints that no state meets"
         "no state was found that meets {names}" "" "lengths may not close: give values with which they do, or a `start` or `guess` near a place where all hold; {tried} places were tried"
         "Derivations are compared at states that meet the constraints.";
-    W515 redundant(names, phase, sharing) "a constraint that follows from others"
-        "{names} follows from the constraints before it{phase}" "redundant" "leave it out; the run goes on with it, but the reactions of {sharing} are not unique"
+    W515 redundant(names, phase, help, sharing) "a constraint that follows from others"
+        "{names} follows from the constraints before it{phase}" "redundant" "{help}; the run goes on with it, but the reactions of {sharing} are not unique"
         "Constraints that depend on each other hold the same motions as fewer of them; their reactions are not unique.";
     E516 impulse_violated(label, by, state) "a balance that an impact violates"
         "{label} does not hold integrated over the instant of an impact" "off by {by} of its terms" "at {state}; is a reaction that pushes there missing in the system, or in the wrong place?"

@@ -253,11 +253,14 @@ pub fn impossible_moments(values: &[f64]) -> Option<Impossible> {
         _ => principal.map(|moment| rounded(moment).to_string()).join(", "),
     };
     let mirrored: Vec<f64> = values.iter().enumerate().map(|(k, x)| if k % 4 == 0 { *x } else { -x }).collect();
-    let help = match values.len() == 9 && violation(&principal_moments(&mirrored)).is_none() {
-        true => "with the signs of its products changed a body has it: Ixy = -∫ x y dm, with the minus".to_owned(),
-        false => "moments are about the centre of mass; about another point at the distance d they are m*d^2 larger"
-            .to_owned(),
+    let help = if principal[..2] == [0.0, 0.0] && principal[2] > 0.0 {
+        "a body that spins about one axis alone has moments about the others, too: half of this one at the least"
+    } else if values.len() == 9 && violation(&principal_moments(&mirrored)).is_none() {
+        "with the signs of its products changed a body has it: Ixy = -∫ x y dm, with the minus"
+    } else {
+        "moments are about the centre of mass; about another point at the distance d they are m*d^2 larger"
     };
+    let help = help.to_owned();
     Some(Impossible { moments, why, few_digits: excess <= FEW_DIGITS, help })
 }
 
