@@ -65,6 +65,7 @@ fn exit_codes_are_those_of_the_help() {
         assert_eq!(code(&["simulate", "good.yaml", wrong]), Some(2), "{wrong}");
     }
     assert_eq!(code(&["sweep", "good.yaml", "--points", "none.csv"]), Some(2));
+    assert_eq!(code(&["solve", "good.yaml", "--unknown", "x=1"]), Some(2));
     assert_eq!(code(&["simulate", "good.yaml", "--csv", "good.yaml"]), Some(2));
     let (help, _, status) = told(&done(&folder, &["--help"]));
     assert_eq!(status, Some(0));
@@ -122,6 +123,8 @@ fn what_is_no_model_file_is_told_what_it_is() {
         (&["check", "models"], "`models` is a folder"),
         (&["check", "wide.yaml"], "iconv -f UTF-16 -t UTF-8 wide.yaml"),
         (&["check", "good.yaml", "--size", "n=3"], "no size is called `n`"),
+        (&["needs", "good.yaml", "--needs", "X'"], "did you mean `x'`?"),
+        (&["chart", "good.yaml", "--compare", "X'"], "did you mean `x'`?"),
         (&["simulate", "good.yaml", "--state", "empty.txt"], "empty.txt states no value"),
         (&["simulate", "good.yaml", "--method", "rk4"], "give --step"),
         (&["simulate", "good.yaml", "--method", "rk4", "--step=-1"], "--step is -1"),

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use super::json::{self, number, object};
 use super::load::{Loaded, pairs};
 use super::plotted::filled_parts;
-use super::set_up::{Reader, like_output, parameter_index};
+use super::set_up::{Reader, like_output, parameter_index, unknown};
 use super::{Context, Problem, outputs, value_files};
 use crate::needs::{Deviation, ModelReduction, Need, Needs, NeedsError, NeedsRequest, Proposal, Verdict};
 use crate::precision::Verified;
@@ -99,6 +99,7 @@ pub fn problem(error: NeedsError, loaded: &Loaded) -> Problem {
         NeedsError::Fails { .. } | NeedsError::NotKnown { .. } | NeedsError::Interrupted { .. } => {
             Problem::Run(error.to_string())
         }
+        NeedsError::UnknownName { kind, name, known } => unknown(kind, &name, known.iter().map(String::as_str)),
         other => Problem::usage(other),
     }
 }

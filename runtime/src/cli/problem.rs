@@ -5,6 +5,7 @@ use std::fmt;
 use serde_json::Value;
 
 use super::json::object;
+use super::set_up::unknown;
 use crate::Error;
 
 /// Why a command failed.
@@ -31,13 +32,14 @@ impl Problem {
         Problem::Usage(format!("error: {text}"))
     }
 
-    /// Settings that a run refuses, which are options here.
+    /// What is refused before it begins: settings, which are options here, and names, with the nearest that is known.
     pub(super) fn refused(error: &Error) -> Problem {
         match error {
             Error::BadSetting { setting, value, expected } if OPTIONS.contains(setting) => {
                 Problem::usage(format!("--{setting} is {value}; expected {expected}"))
             }
             Error::NoStep { method } => Problem::usage(format!("`{method}` needs a fixed step: give --step TIME")),
+            Error::UnknownName { kind, name, known } => unknown(kind, name, known.iter().map(String::as_str)),
             other => Problem::usage(other),
         }
     }

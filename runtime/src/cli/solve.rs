@@ -41,6 +41,9 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     match search.solve() {
         Ok(found) => report(&loaded, &found, options, out),
         Err(Error::NotFound(why)) => {
+            if let NotFound::NothingWanted | NotFound::Closes { .. } = &*why {
+                return Err(Problem::usage(why));
+            }
             let fault = match &*why {
                 NotFound::Stuck { why: Some(fault), .. } => touched(&loaded, fault),
                 NotFound::Stuck { event: Some(event), .. } => way_out(event),
