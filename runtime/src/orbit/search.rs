@@ -285,6 +285,10 @@ impl OrbitSearch {
         // With a period that is stated the motion that is looked for is the one nearest to the start.
         let may_settle = timed && !stated;
         let (run, scales, lap) = first_run(&mut *system, &mut settings, &closing, (period, may_settle))?;
+        // What holds at the start, as friction that sticks there, is decided by a run.
+        let start = run.first().t;
+        let begun = run.phases.iter().take_while(|(t, _)| *t <= start).last().map(|(_, phase)| *phase);
+        settings.phase = begun.unwrap_or(settings.phase);
         if self.mode.is_some() {
             let first = run.first();
             guess::begin_at(&mut settings, [first.q, first.v].concat());

@@ -378,7 +378,7 @@ fn dependent_rows(
         let name = format!("`{}`", model.row_name(row));
         // One row of a joint is not to be left out alone.
         let of_joint = model.constraint_of_row(row).is_some_and(|constraint| constraint.name.contains('.'));
-        let help = if of_joint { "other joints hold this, too" } else { "leave it out" };
+        let help = if of_joint { "its coordinates or other joints hold this already" } else { "leave it out" };
         let warning = verdicts::redundant(place(model, row), name, phase + particular, help, listed(&names));
         model.warnings.push(warning);
     }

@@ -90,3 +90,18 @@ fn stick_slip_loses_a_dimension() {
     assert_eq!(found["multipliers"].as_array().unwrap().len(), 1);
     assert_eq!(found["multipliers"][0]["re"], 0.0);
 }
+
+/// A block that sticks to its belt at the start, as a run finds: it slips about μₖ m g/k, for (2π − 2 atan(a ω/v))/ω, and is carried 2 a = 2 (μₛ − μₖ) m g/k.
+#[test]
+fn friction_that_sticks_at_the_start_begins_a_motion() {
+    let file = written(
+        "name: Belt\nparameters: {m: 1 kg, k: 100 N/m, v: 0.1 m/s, mus: 0.4 1, muk: 0.2 1, g: 9.81 m/s^2}\ncoordinates: {x: m}\n\
+         bodies: {block: {mass: m, position: '[x, 0]'}}\n\
+         springs: {s: {stretch: x, stiffness: k, on: block, along: ground.x}}\n\
+         friction: {rub: {rate: x' - v, on: block, along: ground.x, limit: muk*m*g, static: mus*m*g}}\n\
+         scene: {start: {x: 0.02, x': v}, until: 5}\n",
+    );
+    let (a, v, omega) = (0.2 * 9.81 / 100.0, 0.1, 10.0);
+    let period = (std::f64::consts::TAU - 2.0 * f64::atan(a * omega / v)) / omega + 2.0 * a / v;
+    holds(&told(&[&file, "--period", "0.8"]).unwrap()["period"], period, 1e-9);
+}
