@@ -120,12 +120,14 @@ impl AccelerationSlopes {
     /// As [`AccelerationSlopes::evaluate`].
     pub fn evaluate_finite(&mut self, system: &dyn System, at: At<'_>) -> Result<(), Singular> {
         self.evaluate(system, at)?;
-        self.by_place
-            .iter_mut()
-            .chain(&mut self.by_speed)
-            .filter(|slope| !slope.is_finite())
-            .for_each(|slope| *slope = 0.0);
+        self.leave_out_poles();
         Ok(())
+    }
+
+    /// Makes slopes 0 that have no finite value, those by time included.
+    pub fn leave_out_poles(&mut self) {
+        let slopes = self.by_place.iter_mut().chain(&mut self.by_speed).chain(&mut self.by_time);
+        slopes.filter(|slope| !slope.is_finite()).for_each(|slope| *slope = 0.0);
     }
 
     /// Evaluates ∂a/∂t, the state held, after [`AccelerationSlopes::evaluate`] at the same one.

@@ -118,9 +118,14 @@ fn going(loaded: &Loaded, guess: &Guess, start: &[f64]) -> Result<Vec<usize>, Pr
     }
     match going.is_empty() {
         false => Ok(going),
+        true if !has_dependent_coordinates(&*loaded.system) => Err(Problem::usage(format!(
+            "--steady: `{}` has no coordinate on whose value nothing depends, and none that go on together; describe what turns by an angle \
+             on which nothing depends",
+            loaded.name
+        ))),
         true => Err(Problem::usage(format!(
-            "--steady: in `{}` equations or constraints depend on the value of every coordinate, and of those that go on together, so that \
-             none can go on at a constant rate; describe what turns by an angle on which nothing depends, as in `[r*cos(phi), r*sin(phi)]` with \
+            "--steady: in `{}` the equations or the constraints depend on the value of every coordinate, so that none can go \
+             on at a constant rate; describe what turns by an angle on which nothing depends, as in `[r*cos(phi), r*sin(phi)]` with \
              the constraint `r - l`, not by its x and y",
             loaded.name
         ))),

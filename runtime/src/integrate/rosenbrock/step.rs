@@ -62,6 +62,7 @@ impl Rosenbrock {
             (self.known, self.factored) = (Some(t), 0.0);
         }
         self.slopes.evaluate_time(system, at, h);
+        self.slopes.leave_out_poles();
         if self.factored != h {
             self.factored = h;
             self.counters.factorizations += 1;
