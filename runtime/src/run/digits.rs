@@ -172,7 +172,7 @@ impl Digits {
         let moved = |pattern: usize| {
             // Walsh's patterns, so that no two neighbours always move alike.
             let back = pattern >= SHAKES;
-            let sign = |i: usize| if ((i & pattern % SHAKES).count_ones() % 2 == 1) == back { 0.5 } else { -0.5 };
+            let sign = |i: usize| if ((i & (pattern % SHAKES)).count_ones() % 2 == 1) == back { 0.5 } else { -0.5 };
             state.iter().zip(bounds).enumerate().map(|(i, (y, bound))| y + sign(i) * bound).collect()
         };
         std::iter::once(state.to_vec()).chain((0..2 * SHAKES).map(moved)).collect()
@@ -371,7 +371,7 @@ impl Run {
     }
 
     /// A value of the last state as text with the digits that hold, all of them where nothing is known of them; `?` where
-    /// its error is no small part of all that the column goes through.
+    /// its error, or it itself, is no small part of all that the column goes through.
     pub(crate) fn written(&self, name: &str, value: f64) -> String {
         let column = self.names.place(name);
         let error = column.and_then(|column| self.last_error(column));
@@ -382,7 +382,9 @@ impl Run {
         let moves = self.times.first() != self.times.last();
         // An output of a unit that nothing moving has is 0 or not as the motion is: of that which holds, what is 0 all the time is 0.
         let moves = moves && !(output.is_some() && self.rests(column) && digits.worst(self) < KNOWN);
-        let lost = moves && error >= value.abs() && error > cancelled.max(KNOWN * digits.ranges[column]);
+        let range = digits.ranges[column];
+        let unknown = error > LOST * range || value.abs() > KNOWN * range;
+        let lost = moves && error >= value.abs() && error > cancelled && unknown;
         written(value, if lost { f64::INFINITY } else { error })
     }
 
