@@ -65,11 +65,6 @@ impl Laps {
         Ok(Point { starts, lap, parameter })
     }
 
-    /// Whether the pieces of a motion meet.
-    pub fn pieces_meet(&self, solution: &Solution) -> bool {
-        solution.trial.r.norm() <= OPEN * self.settings.tolerance
-    }
-
     /// Starts of twice as many pieces of a motion: where each piece began, and in its middle.
     pub fn halved(&self, solution: &Solution) -> Option<Point> {
         let mut starts = Vec::with_capacity(2 * solution.trial.pieces.len());
@@ -439,7 +434,8 @@ impl Begun {
         let grows = found.multipliers.iter().map(|polar| polar.log).fold(0.0, f64::max);
         let laps = &self.laps;
         // Where damping is all but none every motion all but closes, and what is left of it is as small as steps can make it.
-        if laps.pieces_meet(solution) && returns <= follows_to(known) * (grows * laps.laps as f64).exp() {
+        let open = solution.trial.r.norm() > OPEN * laps.settings.tolerance;
+        if !open && returns <= follows_to(known) * (grows * laps.laps as f64).exp() {
             return Ok(returns);
         }
         let start = laps.start_of(&solution.point);

@@ -37,6 +37,9 @@ const LEAST: f64 = 1e-2;
 /// A null direction of the linearised equations is one of structure where it solves them to this part.
 const SOLVES: f64 = 1e-5;
 
+/// Pieces of a member that miss each other by more than this part of how far motions go leave a direction out that is not free there.
+const MEETS: f64 = 1e-8;
+
 /// What varies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Varied {
@@ -104,17 +107,18 @@ impl Walk {
     fn solved(&mut self, guess: Point) -> Result<Solution, Error> {
         let laps = &mut self.begun.laps;
         let Some(most) = self.nullity else { return laps.solve(guess, None) };
-        let mut solution = laps.solve(guess.clone(), Some(most + self.aside))?;
-        if self.aside == 0 {
-            for fewer in (1..most).rev() {
-                if laps.pieces_meet(&solution) {
-                    break;
-                }
-                solution = laps.solve(guess.clone(), Some(fewer))?;
+        let solution = laps.solve(guess.clone(), Some(most + self.aside))?;
+        let meets = |solution: &Solution| solution.trial.r.norm() <= MEETS;
+        if meets(&solution) || self.aside > 0 {
+            return Ok(solution);
+        }
+        for fewer in (1..most).rev() {
+            if let Some(solution) = laps.solve(guess.clone(), Some(fewer)).ok().filter(meets) {
                 self.nullity = Some(fewer);
+                return Ok(solution);
             }
         }
-        Ok(solution)
+        Err(NoOrbit::TurnsSharply.into())
     }
 
     /// The direction along a family: of those in which nothing changes, so many, what structure does not explain; as `before` goes.
