@@ -52,14 +52,18 @@ pub(super) fn returns(run: &Run, scales: &[f64], free: &[usize]) -> Vec<Return> 
         let distances: Vec<f64> = order.iter().map(|k| apart(&states[*k], &states[order[0]])).collect();
         let farthest = distances.iter().fold(0.0_f64, |most, x| most.max(*x));
         let Some(left) = distances.iter().position(|x| *x > LEFT * farthest) else { continue };
-        // The first minimum that is near, else the nearest.
-        let inner = left.max(1)..distances.len().saturating_sub(1);
-        let minima: Vec<usize> =
-            inner.filter(|k| distances[*k] <= distances[k - 1] && distances[*k] <= distances[k + 1]).collect();
+        // The first minimum that is near, the end of a run for as long as the period included, else the nearest.
+        let end = distances.len() - 1;
+        let is_least = |k: &usize| {
+            let falls = distances[*k] <= distances[k - 1];
+            falls && if *k == end { distances[end] < BACK * farthest } else { distances[*k] <= distances[k + 1] }
+        };
+        let minima: Vec<usize> = (left.max(1)..=end).filter(is_least).collect();
         let near = minima.iter().find(|k| distances[**k] < BACK * farthest);
         let best = near.or_else(|| minima.iter().min_by(|a, b| distances[**a].total_cmp(&distances[**b])));
         if let Some(&k) = best {
-            let shift = vertex([distances[k - 1].powi(2), distances[k].powi(2), distances[k + 1].powi(2)]);
+            let around = (k < end).then(|| [k - 1, k, k + 1].map(|k| distances[k].powi(2)));
+            let shift = around.map_or(0.0, vertex);
             let step = (last - first) / SAMPLES as f64;
             let period = (k as f64 + shift) * step;
             let t = if backwards { last - period } else { first };

@@ -329,3 +329,15 @@ fn directions_that_are_free_where_a_family_begins_need_not_stay_so() {
         near(number(&run["q"][name]), number(&start[name]), 1e-8);
     }
 }
+
+/// A run for as long as a motion takes ends where it began, which is a return: Arenstorf's orbit.
+#[test]
+fn the_end_of_a_run_is_a_return() {
+    let file = written(
+        "name: Arenstorf\nparameters: {mu: 0.012277471}\ncoordinates: {x: 1, y: 1}\n\
+         define: {r1: 'sqrt((x + mu)^2 + y^2)', r2: 'sqrt((x - 1 + mu)^2 + y^2)'}\n\
+         kinetic_energy: ((x' - y)^2 + (y' + x)^2)/2\npotential_energy: -(1 - mu)/r1 - mu/r2\n\
+         scene: {start: {x: 0.994, y': -2.00158510637908252}, until: 17.0652165601579626, tolerance: 1e-13}\n",
+    );
+    holds(&told(&[&file]).unwrap()["period"], 17.065_216_560_158, 1e-6);
+}
