@@ -29,6 +29,8 @@ pub fn listen(as_json: bool) {
 pub fn awaited() -> Arc<AtomicBool> {
     listen(AS_JSON.load(Ordering::Relaxed));
     AWAITED.store(true, Ordering::SeqCst);
+    #[cfg(not(any(unix, target_family = "wasm")))]
+    by_flags();
     ASKED.clone()
 }
 
@@ -62,13 +64,18 @@ fn end(signal: i32) {
     std::process::exit(128 + signal);
 }
 
+/// Elsewhere no thread can wait for signals: until a command does, they end the program as they always did.
+#[cfg(not(unix))]
+fn start() {}
+
+/// The first signal sets the flag, a second one ends the program.
 #[cfg(not(any(unix, target_family = "wasm")))]
-fn start() {
+fn by_flags() {
     use signal_hook::consts::{SIGINT, SIGTERM};
     for signal in [SIGINT, SIGTERM] {
+        let again = Arc::new(AtomicBool::new(false));
         _ = signal_hook::flag::register(signal, ASKED.clone());
+        _ = signal_hook::flag::register_conditional_shutdown(signal, 128 + signal, again.clone());
+        _ = signal_hook::flag::register(signal, again);
     }
 }
-
-#[cfg(target_family = "wasm")]
-fn start() {}
