@@ -66,7 +66,7 @@ const FUNCTIONS: usize = Function::Inputs as usize + 1;
 struct Tapes {
     functions: Vec<Tape>,
     accelerations: Solved,
-    /// Accelerations, multipliers and what tells whether they are good, where that was eliminated: the lists of [`Eliminated`](crate::lower::Eliminated) one after the other.
+    /// Accelerations, multipliers and what tells whether they are good, where that was eliminated: the lists of [`ConstrainedMotion`](crate::lower::ConstrainedMotion) one after the other.
     eliminated: Option<Tape>,
     /// The accelerations and the energies of each part.
     parts: Vec<(Solved, Tape)>,
@@ -188,7 +188,7 @@ impl Interpreter {
         self.solved(&self.tapes.accelerations, at, a)
     }
 
-    /// The lists of [`Eliminated`](crate::lower::Eliminated), each into one of these; false where there are none.
+    /// The lists of [`ConstrainedMotion`](crate::lower::ConstrainedMotion), each into one of these; false where there are none.
     pub fn eliminated<'a>(&self, at: At<'_>, lists: impl IntoIterator<Item = &'a mut [f64]>) -> bool {
         let Some(tape) = &self.tapes.eliminated else { return false };
         SCRATCH.with_borrow_mut(|scratch| {

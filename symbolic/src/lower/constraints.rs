@@ -33,12 +33,12 @@ pub struct Constraints {
     /// −λ·(∂c/∂t or b): the power of moving constraints.
     pub power: Id,
     /// Accelerations and multipliers where all rows act and are clearly independent, without M and J.
-    pub eliminated: Option<Eliminated>,
+    pub eliminated: Option<ConstrainedMotion>,
 }
 
 /// Accelerations and multipliers by elimination over shared velocities, and what tells whether they are good.
 #[derive(Clone, Debug)]
-pub struct Eliminated {
+pub struct ConstrainedMotion {
     /// q''.
     pub accelerations: Vec<Id>,
     /// λ.
@@ -53,21 +53,21 @@ pub struct Eliminated {
     pub alone: Vec<Id>,
 }
 
-impl Eliminated {
+impl ConstrainedMotion {
     /// All lists, in this order.
     pub fn lists(&self) -> [&[Id]; 6] {
-        let Eliminated { accelerations, multipliers, pivots, sizes, mobilities, alone } = self;
+        let ConstrainedMotion { accelerations, multipliers, pivots, sizes, mobilities, alone } = self;
         [accelerations, multipliers, pivots, sizes, mobilities, alone]
     }
 }
 
-impl From<Solution> for Eliminated {
-    fn from(solution: Solution) -> Eliminated {
+impl From<Solution> for ConstrainedMotion {
+    fn from(solution: Solution) -> ConstrainedMotion {
         let Solution { values: accelerations, mut pivots, multipliers, mobilities } = solution;
         pivots.sort_unstable_by_key(|pivot| pivot.0);
         let (pivots, sizes) = pivots.into_iter().map(|(_, pivot, size)| (pivot, size)).unzip();
         let (mobilities, alone) = mobilities.into_iter().unzip();
-        Eliminated { accelerations, multipliers, pivots, sizes, mobilities, alone }
+        ConstrainedMotion { accelerations, multipliers, pivots, sizes, mobilities, alone }
     }
 }
 

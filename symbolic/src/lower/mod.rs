@@ -33,7 +33,7 @@ use crate::gate::{Judged, Report};
 use crate::model::{Contact, Files, Model, Scene, Shape, is_observed, is_of_units};
 
 pub use arguments::{Argument, Role, Watched};
-pub use constraints::{Constraints, Eliminated};
+pub use constraints::{ConstrainedMotion, Constraints};
 pub use count::{Counts, operations};
 pub use elimination::{Cost, Elimination};
 pub use factor::Accelerations;

@@ -12,7 +12,7 @@ use super::series::recurrences;
 use super::words::comment;
 use super::{contacts, memory, momentum, motions, parts, scenes};
 use crate::expr::{Id, Table2d};
-use crate::lower::{Accelerations, Eliminated, Entry, Program};
+use crate::lower::{Accelerations, ConstrainedMotion, Entry, Program};
 use crate::model::{Gimbal, Model, text};
 
 /// Everything that the functions of one mechanism are printed with.
@@ -258,7 +258,7 @@ impl Mechanism<'_> {
 }
 
 /// `fn eliminated(…)`.
-fn function_of(eliminated: &Eliminated) -> Function<'static> {
+fn function_of(eliminated: &ConstrainedMotion) -> Function<'static> {
     let lists = ["a", "l", "pivots", "sizes", "mobilities", "alone"].into_iter().zip(eliminated.lists());
     let target =
         |(name, list): (&'static str, &[Id])| Target { name, kind: format!("&mut [S; {}]", list.len()), used: true };

@@ -237,6 +237,9 @@ impl Case {
             assert!(wrong < 1e-20 * most, "{}: {wrong:e} beside {most:e}", model.name);
             let mobilities = evaluate(found.mobilities.clone());
             assert!(mobilities.iter().all(|mobility| mobility.to_f64() > 0.0), "{}", model.name);
+            // What rows before take is taken from what each has alone.
+            let alone = evaluate(found.alone.clone());
+            assert!(alone.iter().zip(&mobilities).all(|(all, left)| all.to_f64() >= left.to_f64()), "{}", model.name);
         }
     }
 }
