@@ -9,7 +9,7 @@ use super::{At, Energy, Enforcement, KktSolver, Singular, System, rows_in_force}
 /// What the motion so far tells of the constraints' rows; lists are empty where it tells nothing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RowHistory {
-    /// The largest √(J_k M⁻¹ J_kᵀ) that each row has had, to tell negligible rows by.
+    /// The largest √(J_k M⁻¹ J_kᵀ) that each row has had, to tell negligible rows by; with M + Jᵀ R J in the place of M where that told the rows apart.
     pub norms: Vec<f64>,
     /// The largest size that each entry of J has had, all coordinates of a row one after the other: a row of which one entry is as large as it
     /// ever was does not vanish, however heavy that coordinate is.

@@ -37,7 +37,8 @@ const LEAST: f64 = 1e-2;
 /// A null direction of the linearised equations is one of structure where it solves them to this part.
 const SOLVES: f64 = 1e-5;
 
-/// Pieces of a member that miss each other by more than this part of how far motions go leave a direction out that is not free there.
+/// Pieces of a member that miss each other by more than this part of how far motions go leave a direction out that is not free there: rounding and
+/// tolerances leave less, though at walls that are all but touched more than ten tolerances.
 const MEETS: f64 = 1e-8;
 
 /// What varies.
@@ -113,9 +114,13 @@ impl Walk {
             return Ok(solution);
         }
         for fewer in (1..most).rev() {
-            if let Some(solution) = laps.solve(guess.clone(), Some(fewer)).ok().filter(meets) {
-                self.nullity = Some(fewer);
-                return Ok(solution);
+            match laps.solve(guess.clone(), Some(fewer)) {
+                Ok(solution) if meets(&solution) => {
+                    self.nullity = Some(fewer);
+                    return Ok(solution);
+                }
+                Err(error) if error.is_interruption() => return Err(error),
+                _ => {}
             }
         }
         Err(NoOrbit::TurnsSharply.into())
