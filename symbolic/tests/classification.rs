@@ -340,3 +340,16 @@ fn states_of_first_order_are_no_freedoms() {
     let wheel = "states: {i: -i - ph', z: x}\nconstraints: {roll: x' - ph'}";
     holds("x ph", wheel, (1, 1), &[Integral]);
 }
+
+/// One row of a joint is not to be left out alone.
+#[test]
+fn joints_that_hold_what_is_held_are_not_told_to_go() {
+    let text = "name: Jack\nparameters: {m: 10 kg, J: 0.02 kg*m^2, h: 5 mm}\ncoordinates: {z: m, th: rad}\n\
+                frames: {N: {rotate: [z, th]}}\npoints: {C: '[0, 0, z]'}\n\
+                bodies: {nut: {mass: m, inertia: [J, J, J], frame: N, position: C}}\n\
+                joints: {screw: {screw: [ground, nut], at: ['[0, 0, 0]', C], axis: [ground.z, nut.z], pitch: h}}\n";
+    let program = compile(text, &[]).unwrap_or_else(|problems| panic!("{problems:?}"));
+    let told = warned(&program);
+    let meant = |help: &str| help.starts_with("its coordinates or other joints hold this already;");
+    assert!(!told.is_empty() && told.iter().all(|(_, help)| meant(help)), "{told:?}");
+}

@@ -592,3 +592,17 @@ fn inputs_that_are_0_are_named_where_nothing_is_found() {
     assert!(refused.contains("`L` is 0 here") && refused.contains("--input L=1.1"), "{refused}");
     assert!(program(&["modes", path, "--input", "L=1.1"]).is_ok());
 }
+
+/// A ball in a bowl swings at √(5 g/(7 (R − r))), and what rounding makes of the real parts grows nowhere.
+#[test]
+fn growth_whose_sign_rounding_hides_is_not_told() {
+    let text = "name: Bowl\nparameters: {m: 1 kg, R: 0.5 m, r: 0.05 m, g: 9.81 m/s^2}\ncoordinates: {x: m, y: m, att: rotation}\n\
+                frames: {B: {rotate: att}}\ndefine: {h: 'R - sqrt((R - r)^2 - x^2 - y^2)'}\n\
+                points: {C: '[x, y, h]', T: 'C + r*unit(C - [0, 0, R])'}\n\
+                bodies: {ball: {mass: m, inertia: [0.4*m*r^2, 0.4*m*r^2, 0.4*m*r^2], frame: B, position: C}}\n\
+                gravity: [0, 0, -g]\nconstraints: {roll: 'velocity(ball, T)'}\nscene: {start: {x: 0.1}, until: 5}\n";
+    let path = folder("bowl").join("bowl.yaml");
+    std::fs::write(&path, text).expect("written");
+    let told = program(&["modes", path.to_str().expect("a path")]).expect("modes");
+    assert!(told.contains("± 3.94606i") && !told.contains("unstable"), "{told}");
+}

@@ -1,8 +1,8 @@
 //! Second runs that began otherwise than the first went on: digits that were lost, and advice that did not fit.
 
-use dalembert::{Loss, Run, Warning};
+use dalembert::{Loss, Method, Run, Warning};
 
-use super::case;
+use super::{case, folder, program};
 
 /// The run with its digits.
 fn judged(text: &str) -> Run {
@@ -228,4 +228,37 @@ scene: {start: {x: 1}, until: 1000}
     assert!(run.warnings.is_empty(), "{:?}", run.warnings);
     assert_eq!(run.digits_until(), Some(1000.0));
     assert!((run.last()["x"] - 1.0).abs() < 1e-6 && run.digits("x").expect("digits") >= 5);
+}
+
+/// `auto` takes exact propagation here, and another method at the looser tolerance, whose errors say nothing of these.
+#[test]
+fn a_linear_run_is_compared_with_its_like() {
+    let run = judged(
+        "name: Bump\ntables: {road: {points: [[0, 0], [1, 0], [1.25, 0.035], [1.5, 0.05], [1.75, 0.035], [2, 0], [3, 0]], units: [m, m], smooth: 1}}\n\
+         parameters: {ms: 300 kg, mu: 40 kg, ks: 20 kN/m, cs: 1500 N*s/m, kt: 180 kN/m, ct: 100 N*s/m, V: 36 km/h, g: 9.81 m/s^2}\n\
+         coordinates: {zs: m, zu: m}\ninputs: {h: road(V*t)}\n\
+         bodies: {body: {mass: ms, position: '[0, zs]'}, wheel: {mass: mu, position: '[0, zu]'}}\n\
+         springs: {s: {stretch: zs - zu, stiffness: ks}, t: {stretch: zu - h, stiffness: kt}}\n\
+         dampers: {d: {rate: \"zs' - zu'\", damping: cs}, tt: {rate: \"zu' - h'\", damping: ct}}\nscene: {until: 1.5}\n",
+    );
+    assert_eq!(run.method, Method::Exact);
+    let digits = ["zs", "zu", "zs'", "zu'"].map(|name| run.digits(name).unwrap_or(0));
+    assert!(digits.iter().all(|digits| *digits >= 4), "{digits:?}");
+}
+
+/// A force that goes through thousands, and of which nothing is known where it is 3.6, is not told to be 0.
+#[test]
+fn what_is_small_beside_its_peaks_and_unknown_is_not_0() {
+    let text = "name: FourBar\nparameters: {s: 1 m, rho: 1 kg/m, k: 10 1/s^2, w: 0.3 1/s}\n\
+        coordinates: {p: rad, x1: m, y1: m, x2: m, y2: m}\n\
+        points: {D: 's*[4, 0]', B: 's*[cos(p), sin(p)]', C: '[x1, y1]', C2: '[x2, y2]'}\n\
+        bodies: {AB: {mass: rho*s, inertia: rho*s^3/12, angle: p, position: B/2}, mc: {mass: 2*rho*s, position: C}, md: {mass: 3*rho*s, position: C2}}\n\
+        gravity: ['0', '-k*s']\n\
+        constraints: {bc: 'dot(C - B, C - B) - 16*s^2', cd: 'dot(C2 - D, C2 - D) - 9*s^2', cc: 'dot(C2 - C, C2 - C) - s^2'}\n\
+        outputs: {f: reaction(bc)/rho}\n\
+        scene: {start: {p: 1.5, p': 2, x1': s*w, x1: 3.9*s}, guess: {y1: 2.8*s, x2: 4.2*s, y2: 2.9*s}, until: 4, tolerance: 1e-9}\n";
+    let path = folder("peaks").join("four_bar.yaml");
+    std::fs::write(&path, text).expect("written");
+    let told = program(&["simulate", path.to_str().expect("a path")]).expect("a run");
+    assert!(told.contains("  f = ? m/s^2\n"), "{told}");
 }

@@ -75,6 +75,16 @@ gravity: [0, -g]
     assert_eq!(codes(&with(bar, "about: hinge", "about: \"[1, 0]\"")), ["E444"]);
 }
 
+/// A shaft that only spins has moments about the other axes too.
+#[test]
+fn moments_about_one_axis_alone_are_told_what_lacks() {
+    let shaft = "name: Shaft\nparameters: {J: 0.5 kg*m^2}\ncoordinates: {phi: rad}\nframes: {S: {rotate: [z, phi]}}\n\
+                 bodies: {s: {mass: 1 kg, inertia: [0, 0, J], frame: S, position: [0, 0, 0]}}\n";
+    let found = problems(shaft);
+    assert!(found.len() == 1 && found[0].help.contains("half of this one at the least"), "{found:?}");
+    accepted(&shaft.replace("[0, 0, J]", "[J/2, J/2, J]"));
+}
+
 #[test]
 fn a_shift_that_leaves_no_body_is_refused_with_the_numbers() {
     let small = with(TOP, "I1: 0.5 kg*m^2", "I1: 0.3 kg*m^2");
