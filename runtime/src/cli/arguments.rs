@@ -363,7 +363,7 @@ fn modes() -> Command {
         .arg(flag("steady", "Find the steady motion in which cyclic coordinates keep the speeds of the scene (`--at` sets others), with constraints too"))
         .arg(picture("plot", "Draw the shapes of the modes"))
         .arg(value("matrices", "NAME.mtx", "Write M, C, K, B and the state matrix A as NAME-M.mtx and so on, in Matrix Market's format, or as tables (NAME.csv)"))
-        .arg(value("state-space", "FILE", "Write x' = A x + B u, y = C x + D u with names and units as FILE.json, NumPy's arrays (.npz), a script for MATLAB and Octave (.m) or a table (.csv), and say which motions inputs do not reach and outputs do not show"))
+        .arg(value("state-space", "FILE", "Write x' = A x + B u, y = C x + D u with names and units as FILE.json, NumPy's arrays (.npz), variables or a script for MATLAB and Octave (.mat, .m) or a table (.csv), and say which motions inputs do not reach and outputs do not show"))
         .arg(value("in", "A,B", "Its inputs: inputs, entries of `forces` or `torques`, coordinates that a force acts on [default: all inputs]").requires("state-space"))
         .arg(value("out", "A,B", "Its outputs: coordinates, rates, states, outputs [default: all coordinates]").requires("state-space"))
         .arg(animation("Write a page that animates a mode"))

@@ -29,6 +29,7 @@ mod initial_phases;
 mod json;
 mod list;
 mod load;
+mod mat;
 mod modes;
 mod needs;
 mod new;

@@ -2,11 +2,6 @@
 
 use super::zip;
 
-/// That there is more of it than an archive holds.
-pub fn too_large(path: &str) -> String {
-    format!("cannot write `{path}`: it would be larger than the 4 GB of an archive; write a table as .csv")
-}
-
 /// Arrays by their names.
 #[derive(Default)]
 pub struct Archive(Vec<(String, Vec<u8>)>);

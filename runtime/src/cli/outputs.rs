@@ -203,6 +203,13 @@ pub fn write(path: &str, bytes: impl AsRef<[u8]>) -> Result<(), Problem> {
     fs::write(path, bytes).map_err(|problem| Problem::File(format!("cannot write `{path}`: {problem}")))
 }
 
+/// That there would be more in a file than the sizes in it can tell.
+pub fn too_large(path: &str) -> Problem {
+    Problem::File(format!(
+        "cannot write `{path}`: it would be larger than the 4 GB of such a file; write a table as .csv"
+    ))
+}
+
 /// Files that are there only to be tried; they go when all are known.
 #[derive(Default)]
 struct Created(Vec<PathBuf>);

@@ -1,4 +1,4 @@
-//! A program as a module for Python: M, h and the state's rate with NumPy.
+//! A program as a module for Python: M, h and the state's rate with NumPy, or with what takes the place of its `np`: nothing is assigned to arrays.
 
 use std::collections::HashSet;
 use std::fmt::Write;
@@ -15,7 +15,8 @@ const TAKEN: &[&str] = &[
     "False", "None", "True", "and", "as", "assert", "async", "await", "break", "class", "continue", "def", "del",
     "elif", "else", "except", "finally", "for", "from", "global", "if", "import", "in", "is", "lambda", "nonlocal",
     "not", "or", "pass", "raise", "return", "try", "while", "with", "yield", "np", "t", "q", "v", "p", "u", "phase",
-    "memory", "out", "n", "pieces_", "piece_", "bicubic_", "float", "int", "len", "max", "range", "zip",
+    "memory", "out", "n", "pieces_", "piece_", "powers_", "bicubic_", "float", "int", "len", "list", "max", "range",
+    "zip",
 ];
 
 /// Evaluates a table.
@@ -25,11 +26,11 @@ def pieces_(x, order, knots, pieces, period):
     \"\"\"Cubics between knots, straight beyond them; order: how often they are differentiated.\"\"\"
     if period is not None:
         x = x - np.floor((x - knots[0])/period)*period
-    k = int(np.searchsorted(knots, x, side=\"right\"))
-    d = x - knots[max(k - 1, 0)]
+    k = np.searchsorted(np.array(knots), x, side=\"right\")
+    d, piece = x - np.array(knots)[np.maximum(k - 1, 0)], np.array(pieces)[k]
     out = 0.0
     for power in range(3, order - 1, -1):
-        out = out*d + pieces[k][power]*np.prod(np.arange(power - order + 1, power + 1.0))
+        out = out*d + piece[power]*np.prod(np.arange(power - order + 1, power + 1.0))
     return out
 ";
 
@@ -40,17 +41,19 @@ def piece_(x, knots, period):
     \"\"\"The piece between knots in which x lies, and how far from the knot before.\"\"\"
     if period is not None:
         x = x - np.floor((x - knots[0])/period)*period
-    k = int(np.searchsorted(knots, x, side=\"right\"))
-    return k, x - knots[max(k - 1, 0)]
+    k = np.searchsorted(np.array(knots), x, side=\"right\")
+    return k, x - np.array(knots)[np.maximum(k - 1, 0)]
+
+
+def powers_(d, order):
+    \"\"\"1, d, d**2 and d**3, as often differentiated.\"\"\"
+    return np.array([d**max(k - order, 0)*np.prod(np.arange(k - order + 1, k + 1.0)) for k in range(4)])
 
 
 def bicubic_(x, y, orders, knots, pieces, periods):
     \"\"\"Bicubics on a grid, straight beyond it; orders: how often they are differentiated by x and by y.\"\"\"
     (row, d), (column, e) = (piece_(z, k, period) for z, k, period in zip((x, y), knots, periods))
-    c = np.array(pieces[row*(len(knots[1]) + 1) + column])
-    along_x = np.polynomial.polynomial.polyder(c, orders[0], axis=0)
-    both = np.polynomial.polynomial.polyder(along_x, orders[1], axis=1)
-    return np.polynomial.polynomial.polyval2d(d, e, both)
+    return powers_(d, orders[0]) @ np.array(pieces)[row*(len(knots[1]) + 1) + column] @ powers_(e, orders[1])
 ";
 
 /// Accelerations and the state's rate of mechanisms without constraints.
@@ -72,11 +75,11 @@ const CONSTRAINED: &str = r#"
 
 def accelerations(t, q, v, p=PARAMETERS, phase={start}{=memory}):
     """q'' and the multipliers of the phase's rows, the least ones where rows depend on each other."""
-    rows = list(PHASES.values())[phase]
+    rows = np.array(list(PHASES.values())[phase], dtype=int)
     M = mass_matrix(t, q, v, p, phase{memory})
-    J = constraint_matrix(t, q, v, p, phase{memory})[rows]
+    J = constraint_matrix(t, q, v, p, phase{memory})[rows, :]
     B = friction(t, q, v, p, phase{memory})[:, rows]
-    n, m = len(M), len(rows)
+    n, m = len(COORDINATES), len(rows)
     K = np.block([[M, -(J.T + B)], [J, np.zeros((m, m))]])
     right = np.concatenate([-bias(t, q, v, p, phase{memory}), -constraint_bias(t, q, v, p, phase{memory})[rows]])
     x = np.linalg.lstsq(K, right, rcond=None)[0] if m else np.linalg.solve(K, right)
@@ -319,12 +322,12 @@ impl Module<'_> {
         self.function(name, about);
         let roots: Vec<Id> = entries.iter().map(|e| e.2).collect();
         let values = self.body(&roots);
-        self.line(&format!("    out = np.zeros(({rows}, {columns}))"));
+        self.line(&format!("    out = [[0.0]*{columns} for _ in range({rows})]"));
         for ((i, j, _), value) in entries.iter().zip(values) {
-            let mirrored = if symmetric && i != j { format!("out[{j}, {i}] = ") } else { String::new() };
-            self.line(&format!("    out[{i}, {j}] = {mirrored}{value}"));
+            let mirrored = if symmetric && i != j { format!("out[{j}][{i}] = ") } else { String::new() };
+            self.line(&format!("    out[{i}][{j}] = {mirrored}{value}"));
         }
-        self.line("    return out");
+        self.line("    return np.array(out, dtype=float)");
     }
 
     fn vector(&mut self, name: &str, about: &str, roots: &[Id]) {

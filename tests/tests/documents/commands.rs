@@ -10,7 +10,7 @@ use super::page::{Block, blocks, root};
 pub const WRITE_PICTURES: &str = "DALEMBERT_BOOK_PICTURES";
 
 /// Endings of files that a command reads from its page's folder, or writes there.
-const FILES: [&str; 9] = [".yaml", ".csv", ".svg", ".gif", ".html", ".json", ".rs", ".fmu", ".npz"];
+const FILES: [&str; 10] = [".yaml", ".csv", ".svg", ".gif", ".html", ".json", ".rs", ".fmu", ".npz", ".mat"];
 
 /// How every command begins.
 const PROGRAM: &str = "cargo run --release -- ";
@@ -165,5 +165,5 @@ fn every_command_of_the_page_on_orbits_prints_what_it_shows() {
 
 #[test]
 fn every_command_of_the_page_on_bridges_prints_what_it_shows() {
-    assert_eq!(commands_print_what_they_show("docs/bridges.md"), 3);
+    assert_eq!(commands_print_what_they_show("docs/bridges.md"), 4);
 }

@@ -10,7 +10,8 @@ use serde_json::{Value, json};
 
 use super::super::json::number;
 use super::super::load::Loaded;
-use super::super::npz::{self, Archive};
+use super::super::mat::Variables;
+use super::super::npz::Archive;
 use super::super::plotted::{listed, parts};
 use super::super::set_up::Reader;
 use super::super::{Problem, outputs};
@@ -24,7 +25,7 @@ use crate::mechanism::At;
 use crate::numbers::counted;
 
 /// Endings of files that are written.
-pub const ENDINGS: [&str; 4] = ["json", "npz", "m", "csv"];
+pub const ENDINGS: [&str; 5] = ["json", "npz", "mat", "m", "csv"];
 
 /// Of small motions: what inputs do, and what is seen.
 ///
@@ -151,7 +152,8 @@ pub fn write(
     let found = &find()?;
     let ending = Path::new(path).extension().map_or_else(String::new, |ending| ending.to_string_lossy().to_lowercase());
     let bytes = match ending.as_str() {
-        "npz" => arrays(found).ok_or_else(|| Problem::File(npz::too_large(path)))?,
+        "npz" => arrays(found).ok_or_else(|| outputs::too_large(path))?,
+        "mat" => variables(found).ok_or_else(|| outputs::too_large(path))?,
         "m" => script(name, found).into_bytes(),
         "csv" => table(found).into_bytes(),
         _ => {
@@ -299,4 +301,19 @@ fn arrays(found: &InputOutput) -> Option<Vec<u8>> {
         }
     }
     archive.bytes()
+}
+
+/// Variables for MATLAB and Octave, named as those of the script; `None` where they are too large for a file.
+fn variables(found: &InputOutput) -> Option<Vec<u8>> {
+    let mut variables = Variables::default();
+    for (name, matrix) in matrices(found) {
+        variables.numbers(name, [matrix.nrows(), matrix.ncols()], matrix.as_slice());
+    }
+    for (kind, list) in lists(found) {
+        for (k, ending) in ["s", "_units"].into_iter().enumerate() {
+            let words: Vec<&str> = list.iter().map(|entry| entry[k].as_str()).collect();
+            variables.words(&format!("{kind}{ending}"), &words);
+        }
+    }
+    variables.bytes()
 }

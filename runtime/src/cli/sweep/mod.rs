@@ -24,7 +24,7 @@ use super::load::Loaded;
 use super::modes::at_rest;
 use super::plotted::parts;
 use super::set_up::{Changes, choose, unknown};
-use super::{Context, Problem, npz, outputs};
+use super::{Context, Problem, outputs};
 use crate::Settings;
 use crate::ensemble::spread;
 use crate::mechanism::{Description, HIDDEN, Method, System};
@@ -99,7 +99,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
 
 /// Writes the table as NumPy's arrays.
 fn write_arrays(path: &str, table: &Table) -> Result<(), Problem> {
-    let bytes = table.to_npz().ok_or_else(|| Problem::File(npz::too_large(path)))?;
+    let bytes = table.to_npz().ok_or_else(|| outputs::too_large(path))?;
     outputs::write(path, bytes)
 }
 
