@@ -366,6 +366,27 @@ fn a_new_file_knows_its_schema() {
 }
 
 #[test]
+fn a_new_crate_has_a_name_that_cargo_takes_and_a_folder_of_its_own() {
+    let folder = folder("new_crate");
+    let before = files(&folder);
+    for name in ["a b", "3d", "fn", "dalembert", "größe", ".."] {
+        let (_, refused, status) = told(&done(&folder, &["new", name, "--crate"]));
+        assert!(refused.contains(&format!("no crate can be called `{}`", name.trim_matches('.'))), "{refused}");
+        assert_eq!((status, files(&folder)), (Some(2), before.clone()), "{name}");
+    }
+    let (out, _, status) = told(&done(&folder, &["new", "fast_swing", "--crate"]));
+    assert!(out.contains("try: cargo run --release --manifest-path fast_swing/Cargo.toml\n"), "{out}");
+    assert_eq!(status, Some(0), "{out}");
+    let text = |file: &str| fs::read_to_string(folder.join("fast_swing").join(file)).expect("a file");
+    assert!(text("src/main.rs").contains("dalembert::model!(\"models/fast_swing.yaml\");"));
+    assert!(
+        text("src/main.rs").contains("FastSwing::default()") && text("models/fast_swing.yaml").contains("FastSwing")
+    );
+    let (_, refused, status) = told(&done(&folder, &["new", "fast_swing", "--crate"]));
+    assert!(refused.contains("fast_swing exists already") && status == Some(2), "{refused}");
+}
+
+#[test]
 fn generated_code_is_written_and_checked() {
     let folder = folder("generate");
     let generate = ["generate", "good.yaml", "--name", "Weight", "-o", "bob.rs"];

@@ -1,5 +1,5 @@
 //! Strangers' crates build against dalembert and run: one with the macro, one with generated code that is checked in, one with such code and
-//! without the standard library.
+//! without the standard library, and one that the program writes.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -29,6 +29,32 @@ fn a_crate_outside_the_workspace_builds_and_runs() {
     let expected = std::f64::consts::PI * (2.5_f64 / 9.81).sqrt() / a;
     assert!((number("half period ") - expected).abs() < 1e-8, "{text}");
     assert!(number("balance ") < 1e-10, "{text}");
+}
+
+#[test]
+fn a_crate_that_the_program_writes_builds_and_runs() {
+    let written = Path::new(env!("CARGO_TARGET_TMPDIR")).join("outside-new");
+    let _ = fs::remove_dir_all(&written);
+    let said = |arguments: &[&str]| {
+        let mut out = Vec::new();
+        dalembert::cli::run(MODELS, [&["dalembert"], arguments].concat(), &mut out).expect("a command that succeeds");
+        String::from_utf8(out).expect("text")
+    };
+    let path = |file: &str| written.join(file).to_str().expect("a path").to_owned();
+    let out = said(&["new", written.to_str().expect("a path"), "--crate"]);
+    for file in ["Cargo.toml", "src/main.rs", "models/outside-new.yaml", "models/dalembert.schema.json"] {
+        assert!(written.join(file).exists() && out.contains(file), "{file}: {out}");
+    }
+    // The packages of the other crate: nothing is asked of a registry, and nothing is built twice.
+    let lock = fs::read_to_string(folder("outside").join("Cargo.lock")).expect("a lock file");
+    fs::write(path("Cargo.lock"), lock.replace("\"outside\"", "\"outside-new\"")).expect("a file");
+    let (printed, told) = told(&cargo(&["run", "--quiet"], &written));
+    assert_eq!(told, "", "the code compiles without a warning");
+    let theta = printed.lines().find_map(|line| line.strip_prefix("theta = ")?.strip_suffix(" rad at t = 10 s"));
+    let theta: f64 = theta.and_then(|text| text.parse().ok()).unwrap_or_else(|| panic!("no end: {printed}"));
+    let end: serde_json::Value =
+        serde_json::from_str(&said(&["simulate", &path("models/outside-new.yaml"), "--json"])).expect("JSON");
+    assert!((end["q"]["theta"].as_f64().expect("a number") - theta).abs() < 1e-9, "{printed}");
 }
 
 fn folder(name: &str) -> PathBuf {

@@ -85,6 +85,7 @@ fn grammar() -> Command {
             Command::new("new")
                 .about("Writes a commented model file to start from, and beside it the schema that editors complete its keys by")
                 .arg(Arg::new("name").value_name("NAME").required(true).help("The file's name, without .yaml"))
+                .arg(flag("crate", "Write a crate of this name that runs the model, in a folder of its own: `cargo run` in it prints what the motion is and how far it holds"))
                 .arg(quiet()),
         )
         .subcommand(import())

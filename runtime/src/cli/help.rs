@@ -136,7 +136,7 @@ const EXAMPLES: [(&str, &[&str]); 17] = [
         ],
     ),
     ("stability", &["stability rk4", "stability dop853 --json", "stability radau5 --longest 20 --plot radau5.svg"]),
-    ("new", &["new swing", "check swing.yaml", "simulate swing.yaml --animate swing.html"]),
+    ("new", &["new swing", "simulate swing.yaml --animate swing.html", "new swing --crate"]),
     ("import", &["import robot.urdf", "import robot.urdf -o arm.yaml", "import robot.urdf --floating -o free.yaml"]),
     ("schema", &["schema > dalembert.schema.json", "schema -o dalembert.schema.json", "schema | head -n 1"]),
     (
