@@ -24,6 +24,9 @@ use crate::model::{Balance, BalanceSystem, Model, rate_name};
 const SOLVED: usize = 100_000_000;
 /// What solving makes of roundings, some thousand of them, and of what constraints are held to.
 const ROUNDED: f64 = 1e-28;
+/// What refining leaves of an unknown that is 0, beside the largest of all, is a rounding of a rounding: some 1e-64.  Units may make of it 1e12 times
+/// as much.
+const NOTHING: f64 = 1e-50;
 /// An acceleration that differs by this part of its terms is wrong.
 const ROW: f64 = 1e-9;
 
@@ -268,10 +271,12 @@ impl Solved {
         let affordable = (SOLVED / size.pow(3)).max(1);
         let mut solved = Solved { differs: None, told: vec![f64::INFINITY; states.first().map_or(0, |s| s.a.len())] };
         for (k, (a, state)) in assembled.iter().zip(states).enumerate().take(affordable) {
-            for ((x, y), told) in a.solution().iter().flatten().zip(&state.a).zip(&mut solved.told) {
+            let Some(solution) = a.solution() else { continue };
+            let nothing = NOTHING * solution.iter().map(|x| x.magnitude).fold(0.0, f64::max);
+            for ((x, y), told) in solution.iter().zip(&state.a).zip(&mut solved.told) {
                 let gap = (x.value - y.value).abs().to_f64();
                 let rounding = ROUNDED * (x.magnitude + y.magnitude);
-                if gap > rounding.max(ROW * y.magnitude) {
+                if gap > rounding.max(ROW * y.magnitude).max(nothing) {
                     solved.differs = solved.differs.or(Some(k));
                 }
                 *told = told.min(if rounding > 0.0 { rounding / y.magnitude } else { 0.0 });

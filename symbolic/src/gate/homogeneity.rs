@@ -57,7 +57,11 @@ fn changes(model: &Model, motion: &Motion, rotation: &RotationCoordinate, state:
         if change == 0.0 { 0.0 } else { change / terms }
     };
     let others = (0..motion.n).filter(|k| !own.contains(k));
-    let terms = |k: usize| scaled.a[k].magnitude.max(state.a[k].magnitude);
+    let norm = |x: &[DoubleDouble]| x.iter().fold(DoubleDouble::ZERO, |sum, x| sum + *x * *x).to_f64().sqrt();
+    let turn = 2.0 * norm(&state.v[own.clone()]) / norm(&state.q[own.clone()]);
+    // Where nothing pushes, accelerations are roundings beside what the turn would make of the speeds.
+    let carried = |k: usize| turn * state.v[k].to_f64().abs();
+    let terms = |k: usize| scaled.a[k].magnitude.max(state.a[k].magnitude).max(carried(k));
     // What is held is held to rounding, beside what has the same unit.
     let unit = |k: usize| &model.coordinates[k].unit;
     let alike = |k: usize| (0..motion.n).filter(|j| unit(*j) == unit(k)).map(terms).fold(0.0, f64::max);

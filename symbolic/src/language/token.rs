@@ -178,9 +178,11 @@ fn number_length(rest: &str) -> usize {
     at
 }
 
-/// At most one point, no `_`, and not beyond 64-bit floating point.
+/// At most one point, no `_`, and neither beyond 64-bit floating point nor below what it has beside 0.
 fn is_number(text: &str) -> bool {
-    text.parse::<f64>().is_ok_and(f64::is_finite)
+    let mut digits = text.bytes().take_while(|byte| !matches!(byte, b'e' | b'E'));
+    let is_zero = digits.all(|byte| matches!(byte, b'0' | b'.'));
+    text.parse::<f64>().is_ok_and(|number| number.is_finite() && (number != 0.0 || is_zero))
 }
 
 #[cfg(test)]
@@ -207,9 +209,9 @@ mod tests {
 
     #[test]
     fn every_strange_character_is_reported() {
-        let problems = tokens("a ** b $ c² \u{0} 1.2.3 1_000 1e999").unwrap_err();
+        let problems = tokens("a ** b $ c² \u{0} 1.2.3 1_000 1e999 1e-400 0e-400").unwrap_err();
         let codes: Vec<_> = problems.iter().map(|problem| problem.code).collect();
-        assert_eq!(codes, ["E107", "E101", "E101", "E101", "E109", "E109", "E109"]);
+        assert_eq!(codes, ["E107", "E101", "E101", "E101", "E109", "E109", "E109", "E109"]);
         assert_eq!(problems[2].help, "write `^2`");
     }
 }

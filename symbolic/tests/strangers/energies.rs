@@ -80,3 +80,33 @@ balances: {{equations: [{{equation: \"m*l^2/3*th'' = -m*g*l/2*cos(th)\"}}]}}
     accepted(&text("inertia: m*l^2/12, "));
     refused(&text(""), "has mass and turns, and has no `inertia`");
 }
+
+/// Nothing moves the body on: what solving leaves of x'' is a rounding of a rounding, which no terms are beside.
+#[test]
+fn a_free_body_is_in_balance_about_a_point_that_it_carries() {
+    let file = |force: &str| {
+        format!(
+            "name: Free\nparameters: {{m: 2 kg, l: 1.5 m, I: m*l^2/3.7}}\ncoordinates: {{a: rad, c: rad, d: rad, x: m, y: m, z: m}}\n\
+             frames: {{F: {{rotate: [[x, a], [y, c], [z, d]]}}}}\npoints: {{p: b + 0.5*l*F.z}}\n\
+             bodies: {{b: {{mass: m, inertia: [I, I, 0.6*I], frame: F, position: '[x, y, z]'}}}}\n\
+             balances: {{equations: [{force}, moment: {{about: p, of: [b]}}]}}\nscene: {{start: {{c: 0.466}}, until: 0.5}}\n"
+        )
+    };
+    let across = "force: {of: [b], along: ground.y}, force: {of: [b], along: ground.z}";
+    accepted(&file("force: {of: [b]}"));
+    accepted(&file(&format!("equation: \"m*x'' = 0\", {across}")));
+    refused(&file(&format!("equation: \"m*x'' = 1e-6*m*l*a'^2\", {across}")), "E506");
+}
+
+/// Where nothing presses the ball its accelerations are roundings, which another length of the quaternion makes anew.
+#[test]
+fn no_force_on_a_ball_is_no_dependence_on_a_length() {
+    for until in ["1", "1.2", "1.3", "1.5", "2", "5"] {
+        accepted(&format!(
+            "name: Ball\nparameters: {{m: 2 kg, R: 0.1 m, mu: 0.9 1, e: 0.5 1}}\ncoordinates: {{x: m, y: m, z: m, q: rotation}}\n\
+             frames: {{B: {{rotate: q}}}}\nbodies: {{d: {{mass: m, inertia: [m*R^2/2, m*R^2/2, m*R^2/2], frame: B, position: '[x, y, z]'}}}}\n\
+             contacts: {{f: {{gap: z - R, on: d, at: '[x, y, z - R]', normal: '[0, 0, 1]', friction: mu, restitution: e}}}}\n\
+             scene: {{start: {{z: 0.3, z': -1, q': {{ground: [40, 0, 0]}}}}, until: {until}}}\n"
+        ));
+    }
+}
