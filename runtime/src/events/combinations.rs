@@ -4,6 +4,7 @@ use super::certify::Sample;
 use super::modes::{Known, STANDS, Trial, at_rest, mode, side_of};
 use super::sample::Sampler;
 use super::sides::in_time;
+use super::stops::between;
 use crate::mechanism::System;
 
 /// An argument that would vanish within this part of a step vanishes.
@@ -65,9 +66,13 @@ pub(super) fn combinations<S: System + ?Sized>(
             sampler.at_state(system, t, y);
             if system.description().switches[switch].time_only {
                 // Nothing but the instant decides, however short the time to its next zero is beside a step.
-                match in_time(sampler, switch, t) {
-                    0.0 => {}
-                    side => one.modes[switch] = mode(system, switch, side),
+                let mut side = in_time(sampler, switch, t);
+                if side == 0.0 && known.next_stop > t {
+                    // It leaves with a power of time: it has one sign until the next stop.
+                    side = between(system, sampler, switch, (t, known.next_stop), y);
+                }
+                if side != 0.0 && !side.is_nan() {
+                    one.modes[switch] = mode(system, switch, side);
                 }
                 continue;
             }

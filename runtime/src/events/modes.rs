@@ -39,6 +39,8 @@ pub(crate) struct Known<'a> {
     pub held: &'a [bool],
     /// The length of the last step, s: what happens in a billionth of it happens now.
     pub step: f64,
+    /// Until when no argument of time alone changes its sign, s.
+    pub next_stop: f64,
 }
 
 /// What was chosen.
@@ -332,6 +334,7 @@ fn is_sign<S: System + ?Sized>(system: &S, switch: usize) -> bool {
 /// A switch's mode on the side of this sign.
 pub(crate) fn mode<S: System + ?Sized>(system: &S, switch: usize, side: f64) -> f64 {
     match system.description().switches[switch].kind {
+        SwitchKind::Sign if side == 0.0 => 0.0,
         SwitchKind::Sign => side.signum(),
         SwitchKind::Step => f64::from(side >= 0.0),
     }

@@ -30,7 +30,14 @@ pub(crate) fn begin_at_state(system: &mut dyn System, t: f64, y: &[f64]) {
     let sides = of_time(system, &mut sampler, t, y);
     let beyond: Vec<Option<f64>> = sides.into_iter().map(|side| side.filter(|side| *side != 0.0)).collect();
     let held = held_switches(system, (t, y));
-    let known = Known { surface: &vec![false; beyond.len()], beyond: &beyond, leaves: None, held: &held, step: 0.0 };
+    let known = Known {
+        surface: &vec![false; beyond.len()],
+        beyond: &beyond,
+        leaves: None,
+        held: &held,
+        step: 0.0,
+        next_stop: t,
+    };
     if modes::choose(system, &mut sampler, (t, y), &known, &mut |_| None).is_err() {
         begin_at(system, t, y);
     }

@@ -180,7 +180,7 @@ fn stop_times<S: System + ?Sized>(
             let found =
                 found.or_else(|| zeros(system, (&mut *sampler, &mut *arguments), switch, (low, high.min(end)), y));
             let found = found.ok_or(switch)?;
-            if interval > 0 && side * found.first < 0.0 {
+            if interval > 0 && side != found.first {
                 flips.push(low);
             }
             flips.extend(found.times);
@@ -205,8 +205,8 @@ fn stop_times<S: System + ?Sized>(
             let low = if interval == 0 { from } else { stops[interval - 1].t };
             let high = stops.get(interval).map_or(until, |stop| stop.t);
             system.set_modes(&modes[interval]);
-            sampler.at_time(system, low + 0.5 * (high - low), y);
-            modes[interval][switch] = modes::mode(system, switch, sampler.value(sampler.function_of(switch)));
+            let value = between(system, sampler, switch, (low, high), y);
+            modes[interval][switch] = modes::mode(system, switch, value);
         }
     }
     for (stop, after) in stops.iter_mut().zip(&modes[1..]) {
@@ -228,6 +228,24 @@ fn stop_times<S: System + ?Sized>(
         }
     }
     Ok(stops)
+}
+
+/// Parts of a stretch in which an argument of time alone keeps its sign: it may touch zero at one of them, where it is rounding.
+const PLACES: [f64; 3] = [0.5, 0.381_966, 0.145_898];
+
+/// The largest value of the argument of a switch at some places between two times.
+pub(super) fn between<S: System + ?Sized>(
+    system: &S,
+    sampler: &mut Sampler,
+    switch: usize,
+    (low, high): (f64, f64),
+    y: &[f64],
+) -> f64 {
+    let values = PLACES.map(|part| {
+        sampler.at_time(system, low + part * (high - low), y);
+        sampler.value(sampler.function_of(switch))
+    });
+    values.into_iter().fold(0.0, |most: f64, value| if value.abs() > most.abs() { value } else { most })
 }
 
 /// Whether an input jumps or turns between two neighbouring times although no mode changes.
@@ -282,7 +300,10 @@ fn zeros<S: System + ?Sized>(
     {
         let x = -a.value / a.slope;
         let times = if x > 0.0 && x < 1.0 { vec![low + x * span] } else { Vec::new() };
-        let sign = |value: f64, slope: f64| if value == 0.0 { slope.signum() } else { value.signum() };
+        let sign = |value: f64, slope: f64| {
+            let tells = if value == 0.0 { slope } else { value };
+            if tells == 0.0 { 0.0 } else { tells.signum() }
+        };
         return Some(Zeros { times, first: sign(a.value, a.slope), last: sign(b.value, -b.slope) });
     }
     let mut certifier = Certifier::default();

@@ -29,9 +29,10 @@ struct Watched {
 }
 
 impl Watched {
-    fn new(value: f64, scale: f64) -> Self {
+    /// `rounding`: what that of the state makes of it.
+    fn new((value, scale): (f64, f64), rounding: f64) -> Self {
         let claimed = value.is_finite();
-        let scale = if claimed { scale.max(value.abs()) } else { 0.0 };
+        let scale = if claimed { scale.max(value.abs()).max(MEASURED * rounding) } else { 0.0 };
         Watched { first: value, last: value, change: 0.0, scale, claimed, before: value }
     }
 
@@ -79,10 +80,13 @@ impl Monitor {
         let n = system.len();
         let mut pairs = vec![0.0; 2 * system.description().invariant_len()];
         system.invariants(At::packed(t, y, n), &mut pairs);
-        let invariants = pairs.chunks_exact(2).map(|pair| Watched::new(pair[0], pair[1])).collect();
+        let (of_balance, of_invariants) = roundings(system, t, y, &pairs);
+        let values = pairs.chunks_exact(2).map(|pair| (pair[0], pair[1]));
+        let invariants = values.zip(of_invariants).map(|(value, rounding)| Watched::new(value, rounding)).collect();
         let (balance, scale) = balance(system, At::packed(t, y, n), done);
         let scale = scale.max(least_energy(system, At::packed(t, y, n)));
-        Monitor { n, switched: 0.0, before: 0.0, balance: Watched::new(balance, scale), invariants, pairs }
+        let balance = Watched::new((balance, scale), of_balance);
+        Monitor { n, switched: 0.0, before: 0.0, balance, invariants, pairs }
     }
 
     /// Notes the values after a step, `done` being the work of what has no potential.
@@ -159,6 +163,33 @@ fn least_energy<S: System + ?Sized>(system: &S, at: At<'_>) -> f64 {
     system.inertias(at, &mut Vec::new(), &mut inertia);
     let whole: f64 = inertia.iter().zip(&sizes).map(|(inertia, size)| inertia.abs() * size * size).sum();
     if whole.is_finite() { SECOND_ROUNDING * whole } else { 0.0 }
+}
+
+/// A number is told to change by parts of itself where it is so many times what rounding makes of it: nine digits are left then.
+const MEASURED: f64 = 1e9;
+/// Places are off by so many roundings of the largest that has their unit.
+const ROUNDINGS: f64 = 8.0;
+
+/// What rounding of places makes of the energy and of invariants, whose pairs are these, to first order: what is 0 but for it is no scale.
+fn roundings<S: System + ?Sized>(system: &S, t: f64, y: &[f64], pairs: &[f64]) -> (f64, Vec<f64>) {
+    let n = system.len();
+    let sizes = sizes_alike(system.description(), &y[..n]);
+    let energy = |y: &[f64]| system.energy(At::packed(t, y, n)).jacobi;
+    let (mut moved, mut others) = (y.to_vec(), vec![0.0; pairs.len()]);
+    let (mut of_energy, mut of_invariants) = (0.0, vec![0.0; pairs.len() / 2]);
+    let here = energy(y);
+    for (i, size) in sizes.iter().enumerate() {
+        moved[i] = y[i] + ROUNDINGS * f64::EPSILON * size;
+        of_energy += (energy(&moved) - here).abs();
+        if !pairs.is_empty() {
+            system.invariants(At::packed(t, &moved, n), &mut others);
+        }
+        let changes = others.iter().zip(pairs).step_by(2).map(|(there, here)| (there - here).abs());
+        of_invariants.iter_mut().zip(changes).for_each(|(sum, change)| *sum += change);
+        moved[i] = y[i];
+    }
+    let known = |rounding: f64| if rounding.is_finite() { rounding } else { 0.0 };
+    (known(of_energy), of_invariants.into_iter().map(known).collect())
 }
 
 /// J − W and the sum of the absolute values of its terms.

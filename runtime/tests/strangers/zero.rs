@@ -196,3 +196,79 @@ scene: {start: {x: 0.1, y: 0.4}, until: 3}
     assert_eq!(whole, second);
     std::fs::remove_dir_all(folder).expect("removed");
 }
+
+/// At t = 0 neither the value nor the rate of t² tells on which side it is from then on.
+#[test]
+fn functions_of_time_leave_zero_with_any_power() {
+    // The force to t = 1 s, by integrals of its own.
+    let places = [
+        ("abs(t^2)", 1.0 / 12.0),
+        ("abs(t^3)", 1.0 / 20.0),
+        ("sign(t^2)", 0.5),
+        ("abs(1 - cos(t))", 0.5 - (1.0 - 1.0_f64.cos())),
+        ("abs(sin(t)^2)", 0.25 - 0.25 * 1.0_f64.sin().powi(2)),
+        ("max(0, t^2)", 1.0 / 12.0),
+    ];
+    for (force, x) in places {
+        let text = |force: &str, inputs: &str| {
+            format!(
+                "name: Pushed\ncoordinates: {{x: 1}}\n{inputs}kinetic_energy: x'^2/2\ngeneralized_forces: {{x: \"{force}\"}}\nscene: {{until: 1}}\n"
+            )
+        };
+        for file in [text(force, ""), text("u", &format!("inputs: {{u: \"{force}\"}}\n"))] {
+            let found = case(&file).run().last()["x"];
+            assert!((found - x).abs() < 1e-9, "{file}: {found} {x}");
+        }
+    }
+}
+
+/// The centre of a body that turns about a level axle is at its height, where its energy is what rounding makes of it.
+#[test]
+fn what_rests_at_height_zero_keeps_its_energy() {
+    let file = "name: Level\nparameters: {m: 1 kg, I: 0.3 kg*m^2, l: 1 m, g: 9.81 m/s^2}\ncoordinates: {x: m, y: m, z: m, q: rotation}\n\
+        frames: {F: {rotate: q}}\nbodies: {b: {mass: m, inertia: [I, I, I], frame: F, position: '[x, y, z]'}}\n\
+        joints: {j: {hinge: [ground, b], at: ['[0, 0, 0]', 'b - l*b.x'], axis: [ground.x, b.x]}}\ngravity: [0, -g, 0]\n\
+        conserved: {E: energy}\nscene: {guess: {x: 1}, until: 0.5}\n";
+    let mut case = case(file);
+    case.settings.digits = true;
+    let run = case.run();
+    assert!(run.warnings.is_empty(), "{:?}", run.warnings);
+    assert!(run.last()["y"].abs() < 1e-20, "{}", run.last()["y"]);
+}
+
+/// A product touches zero in the middle of a stretch in which it keeps its sign, and what is 0 from an instant on has no sign there.
+#[test]
+fn signs_of_functions_of_time_are_those_between_their_zeros() {
+    let speed = |force: &str| {
+        let text = format!(
+            "name: Pushed\ncoordinates: {{x: 1}}\nkinetic_energy: x'^2/2\ngeneralized_forces: {{x: \"{force}\"}}\nscene: {{until: 5}}\n"
+        );
+        case(&text).run().last()["x'"]
+    };
+    for (a, b) in [(16.0, 17.0), (15.0, 17.0), (20.0, 21.0)] {
+        // Between neighbouring zeros k π/a and k π/b the sign is that in the middle.
+        let zeros =
+            |w: f64| (0..=(5.0 * w / std::f64::consts::PI) as usize).map(move |k| k as f64 * std::f64::consts::PI / w);
+        let mut times: Vec<f64> = zeros(a).chain(zeros(b)).chain([5.0]).collect();
+        times.sort_by(f64::total_cmp);
+        let part = |pair: &[f64]| {
+            let middle = 0.5 * (pair[0] + pair[1]);
+            (pair[1] - pair[0]) * ((a * middle).sin() * (b * middle).sin()).signum()
+        };
+        let expected: f64 = times.windows(2).map(part).sum();
+        let found = speed(&format!("sign(sin({a}*t)*sin({b}*t))"));
+        assert!((found - expected).abs() < 1e-9, "{a} {b}: {found} {expected}");
+    }
+    for (force, expected) in [
+        ("sign(step(2 - t))", 2.0),
+        ("sign(max(0, 3 - t))", 3.0),
+        ("sign(min(0, t - 3))", -3.0),
+        ("sign(step(t - 1) - step(t - 2))", 1.0),
+        ("sign((t - 1) - abs(t - 1))", -1.0),
+        ("sign(max(0, t - 1))", 4.0),
+        ("sign(sign(t - 1) + sign(t - 2))", 2.0),
+    ] {
+        let found = speed(force);
+        assert!((found - expected).abs() < 1e-9, "{force}: {found} {expected}");
+    }
+}

@@ -138,7 +138,9 @@ impl EventLocator {
         let crowds = self.restarts > RESTARTS;
         let on = |k: usize| self.surface[k] || crowds && self.met[k] || released[k] && !self.held[k];
         let surface: Vec<bool> = (0..self.surface.len()).map(on).collect();
-        let known = Known { surface: &surface, beyond: &self.beyond, leaves, held: &self.held, step: self.step };
+        let next_stop = self.stops.next();
+        let known =
+            Known { surface: &surface, beyond: &self.beyond, leaves, held: &self.held, step: self.step, next_stop };
         let Chosen { on, undecided } = modes::choose(system, &mut self.sampler, (t, y), &known, trial)?;
         self.met.iter_mut().zip(&on).for_each(|(met, on)| *met |= on);
         self.undecided = undecided;
