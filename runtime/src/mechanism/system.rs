@@ -465,8 +465,8 @@ pub trait System: Send + Sync {
         let _ = system;
     }
 
-    /// Lets h and F be wrong from now on, by so many times their [`System::force_errors`], up in one coordinate and down in the next, and γ and
-    /// J M⁻¹ Jᵀ by so many half units in the last place: what such a run differs by tells what their rounding does. 0: as they are.
+    /// Lets h and F be wrong from now on, by so many times their [`System::force_errors`], up in one coordinate and down in the next, and M, γ
+    /// and J M⁻¹ Jᵀ by so many half units in the last place: what such a run differs by tells what their rounding does. 0: as they are.
     fn disturb_forces(&mut self, times: f64) {
         let _ = times;
     }

@@ -206,6 +206,19 @@ impl Digits {
         self.cancelled = errors.iter().map(|error| motion * error / f64::EPSILON).collect();
     }
 
+    /// The acceleration of a vibration that goes as far and as fast as the coordinate does, of all of its unit, that is accelerated most; 0 where none
+    /// moves.
+    pub(crate) fn usual_acceleration(&self, run: &Run, i: usize) -> f64 {
+        let names = &run.names.coordinates;
+        let unit = run.unit(&names[i]);
+        let alike = (0..names.len()).filter(|k| run.unit(&names[*k]) == unit);
+        let of = |k: usize| {
+            let (q, v) = (self.ranges[k], self.ranges[names.len() + k]);
+            if q > 0.0 && v.is_finite() { v * v / q } else { 0.0 }
+        };
+        alike.map(of).fold(0.0, f64::max)
+    }
+
     /// Raises bounds to what accelerations that are off by this part of themselves, always alike, make of a motion: it is faster or slower,
     /// so that each coordinate is off by that part of all its ways to and fro, and its rate by as much of its range.
     pub(crate) fn frequency_error(&mut self, run: &Run, relative: f64) {
@@ -515,11 +528,16 @@ fn ranges(run: &Run, still: f64) -> Vec<f64> {
         if matches!(&*units[i], "" | "1" | "rad") {
             ranges[i] = ranges[i].max(ROUNDED);
         }
+        // A place is beside the largest that has its unit.
+        let alike = (0..states / 2).filter(|k| units[*k] == units[i]);
+        let size = alike.fold(0.0_f64, |most, k| most.max(ends[k].0.abs()).max(ends[k].1.abs()));
+        let nothing = if size.is_finite() { NOTHING * size } else { 0.0 };
+        ranges[i] = ranges[i].max(nothing);
         if span > 0.0 {
             let fastest = run.fastest.max(1.0 / span);
             let struck: f64 = run.impulses.iter().filter_map(|impulse| impulse.terms.get(i)).sum();
             ranges[i] = ranges[i].max(STILL * struck * span);
-            let rounded = (STILL * ranges[i] * fastest).max(STILL * struck);
+            let rounded = (STILL * ranges[i] * fastest).max(STILL * struck).max(nothing * fastest);
             // Outputs that are speeds are told by the same size.
             let speeds = (states..names.len()).filter(|column| units[*column] == units[states / 2 + i]);
             for column in speeds.chain([states / 2 + i]) {

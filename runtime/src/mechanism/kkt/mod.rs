@@ -421,12 +421,13 @@ impl KktSolver {
     }
 
     fn load_mass<S: System + ?Sized>(&mut self, system: &S, at: At<'_>) {
-        let pattern = &system.description().mass_pattern;
+        let (pattern, disturbance) = (&system.description().mass_pattern, system.disturbance());
         self.values.resize(pattern.len(), 0.0);
         system.mass_matrix(at, &mut self.values);
         self.mass.fill(0.0);
         for ((row, column), value) in pattern.iter().zip(&self.values) {
-            self.mass[packed(*row as usize, *column as usize)] = *value;
+            let (row, column) = (*row as usize, *column as usize);
+            self.mass[packed(row, column)] = wrong(*value, row + column, disturbance);
         }
     }
 
