@@ -246,3 +246,30 @@ fn work_is_counted() {
         assert_eq!(work(method, step), expected, "{method}");
     }
 }
+
+dalembert::model!(
+    yaml = r#"
+name: Relaxing
+about: Van der Pol's oscillator, which creeps for long and jumps.
+parameters: {mu: 1000}
+coordinates: {x: 1}
+kinetic_energy: x'^2/2
+potential_energy: x^2/2
+generalized_forces: {x: "mu*(1 - x^2)*x'"}
+scene: {start: {x: 0.5}, until: 1000, tolerance: 1e-8}
+"#
+);
+
+/// Stability would hold an explicit method to some 300,000 steps; where few are left it goes on.  Reference: `radau5`.
+#[test]
+fn auto_begins_again_where_stability_would_take_very_many_steps() {
+    let run = |until: f64, method: Method| {
+        Relaxing::default().simulate().until(until).method(method).tolerance(1e-8).run().expect("a run")
+    };
+    let (stiff, exact) = (run(500.0, Method::Auto), run(500.0, Method::Radau5));
+    assert_eq!(stiff.method, Method::Rodas5P);
+    assert!(stiff.work.evaluations < 10_000 && stiff.warnings.is_empty(), "{:?}", stiff.work);
+    assert!((stiff.last()["x"] - exact.last()["x"]).abs() < 1e-6);
+    let short = run(1.0, Method::Auto);
+    assert_eq!(short.method, Method::Dop853);
+}

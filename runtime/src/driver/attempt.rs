@@ -8,6 +8,9 @@ use crate::integrate::{StepFailure, Trial};
 use crate::mechanism::System;
 use crate::mechanism::sliding::return_to_surfaces;
 
+/// So many steps in a row whose dense output stability makes poor are no chance.
+const POOR: u32 = 3;
+
 impl Integration {
     /// Tries steps until one is good.
     ///
@@ -32,12 +35,22 @@ impl Integration {
         loop {
             let mut step = self.plan(stop);
             let met = locator.as_mut().map_or(step.h, |locator| locator.ahead(system, now, step.h));
-            let mut h = most;
+            let (mut h, mut reports) = (most, false);
             if let StepPolicy::Adaptive { .. } = self.policy {
                 if met < step.h {
                     self.jumps.restart();
                 }
                 h = met.min(most);
+                // Where stability limits a step its dense output is poor: a state that is reported is the end of a step, or within a shorter one.
+                let report = self.reports_at - now;
+                let good = self.stiffness.between_ends(step.h, self.limiting_rate * step.h).max(report);
+                let is_poor = good < step.h;
+                self.poor_steps = if is_poor { self.poor_steps + 1 } else { 0 };
+                // A few may pass where something grows.
+                reports = self.poor_steps >= POOR && report > self.shortest() && good < h.min(step.h);
+                if reports {
+                    h = good;
+                }
             } else if met < step.h.min(most) && self.passes_over(system) {
                 continue;
             }
@@ -64,6 +77,9 @@ impl Integration {
                     if error <= 1.0 {
                         // Dense output makes other stages in the place of these.
                         self.step_times_rate = self.stepper.stiffness(h, self.stiffness.least());
+                        if !reports {
+                            self.limiting_rate = self.step_times_rate / h;
+                        }
                         self.look_for_jumps(system, step)?;
                         self.held_steps = if error >= self.control.growing() { self.held_steps + 1 } else { 0 };
                         if self.held_steps > 0 {
@@ -71,7 +87,7 @@ impl Integration {
                         }
                         let proposal = self.control.accepted(h, error).min(self.stepper.convergent());
                         // A step cut short by a stop says nothing against the longer one before it.
-                        self.h = if lands { proposal.max(self.h) } else { proposal };
+                        self.h = if lands || reports { proposal.max(self.h) } else { proposal };
                         if self.decorrelate_steps {
                             self.h = self.h.min(self.stiffness.between_ends(h, self.step_times_rate));
                         }

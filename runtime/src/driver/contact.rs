@@ -159,7 +159,7 @@ impl Integration {
         if !constraints.is_empty() {
             recorder.warn(Warning::MotionNotUnique { constraints, as_springs: !self.steps_over() });
         }
-        self.leaves_where_stiff && begins_stiffly(system, &moment)
+        self.leaves_where_stiff.is_some() && begins_stiffly(system, &moment)
     }
 
     /// Whether steps go over contacts, of which no event is looked for.

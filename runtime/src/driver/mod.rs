@@ -152,10 +152,16 @@ pub(crate) struct Integration {
     /// What is still to be done before the next step.
     start: Starting,
     stiffness: StiffnessDetector,
-    /// Whether the motion ends where stability limits its steps.
-    leaves_where_stiff: bool,
+    /// The motion ends where stability limits its steps, if more than these are left.
+    leaves_where_stiff: Option<f64>,
     /// h|λ| at the end of the step that was tried.
     step_times_rate: f64,
+    /// The fastest rate |λ| that the last whole step told of, 1/s; 0 where that is far from limiting it.
+    limiting_rate: f64,
+    /// How many steps in a row would have poor dense output.
+    poor_steps: u32,
+    /// When the next state is reported, s.
+    reports_at: f64,
     jumps: JumpDetector,
     /// Errors and length of the last attempt at the present step, if it was rejected.
     rejected: Vec<f64>,
@@ -184,8 +190,11 @@ impl Integration {
         Integration {
             control: StepControl::new(stepper.control()),
             stiffness: StiffnessDetector::new(stepper.control().stiff),
-            leaves_where_stiff: false,
+            leaves_where_stiff: None,
             step_times_rate: 0.0,
+            limiting_rate: 0.0,
+            poor_steps: 0,
+            reports_at: f64::INFINITY,
             jumps: JumpDetector::new(0.0),
             stepper,
             asleep: None,
@@ -238,9 +247,9 @@ impl Integration {
         self.free_steps = self.work.steps;
     }
 
-    /// Ends where stability limits its steps, or only warns.
-    pub fn leave_where_stiff(&mut self, leaves: bool) {
-        self.leaves_where_stiff = leaves;
+    /// Ends where stability limits more steps than these that are left, or only warns.
+    pub fn leave_where_stiff(&mut self, more_than: Option<f64>) {
+        self.leaves_where_stiff = more_than;
     }
 
     /// The numbers of the next ticks of all clocks.
@@ -390,6 +399,7 @@ impl Integration {
         let stop = self.locator.as_ref().map_or(until, |locator| locator.next_stop(until));
         let stop = self.ticks.stop(stop);
         self.smooth_until = stop;
+        self.reports_at = recorder.next_report();
         let mut most = self.traced;
         loop {
             let mut locator = self.locator.take();
@@ -424,7 +434,8 @@ impl Integration {
                     let is_stiff = self.look_for_stiffness(step, recorder);
                     let Outcome::Kept(stop_reason) = outcome? else { continue };
                     let begins_stiffly = self.look_at_combination(system, recorder);
-                    if is_stiff && self.leaves_where_stiff || begins_stiffly {
+                    let left = (self.until - step.next) / step.h;
+                    if is_stiff && self.leaves_where_stiff.is_some_and(|most| left > most) || begins_stiffly {
                         return Ok(StopReason::Stiff);
                     }
                     self.traced *= LONGER;

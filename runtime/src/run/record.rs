@@ -202,6 +202,11 @@ impl Recorder {
         recorder
     }
 
+    /// When the next state is reported, s.
+    pub fn next_report(&self) -> f64 {
+        self.next_time
+    }
+
     /// True when the step that ends at t must bring its dense output.
     pub fn wants_dense(&self, t: f64) -> bool {
         self.next_time < t || self.keeps_own(t)

@@ -1,6 +1,7 @@
 //! What `auto` stands for.
 
 use super::Settings;
+use super::settings::WhereStiff;
 use crate::events::EventLocator;
 use crate::integrate::{LENGTHS_OF_EXACT, fastest_rate, longest_step, operations_of_exact};
 use crate::mechanism::sliding::{self, SLIDES, fractions};
@@ -58,8 +59,11 @@ pub(super) fn choose(settings: &Settings, system: &dyn System, y: &[f64]) -> Cho
     let structure = &description.structure;
     match settings.method {
         Method::Auto if settings.step.is_some() => because(Method::Rk4, "a step is given"),
-        Method::Auto if settings.turned_stiff => {
-            because(Method::Radau5, "what slides in space begins so slowly that its direction is stiff")
+        Method::Auto if settings.where_stiff == WhereStiff::Turned => {
+            let slides = (Method::Radau5, "what slides in space begins so slowly that its direction is stiff");
+            let decays = (Method::Rodas5P, "stability would hold an explicit method to far more steps");
+            let (method, why) = if slides_in_space(system) { slides } else { decays };
+            because(method, why)
         }
         Method::Auto if is_on_parabolas(settings, description) && !may_be_held(system, settings.from, y) => {
             because(Method::Verlet, "accelerations are constant, so that its parabolas are exact")
@@ -88,6 +92,29 @@ pub(super) fn choose(settings: &Settings, system: &dyn System, y: &[f64]) -> Cho
         Method::Auto => because(Method::Dop853, "nothing is stiff, and the tolerance is not loose"),
         method => Choice { method, why: None },
     }
+}
+
+/// How many more steps are too many where stability limits them, for `auto` to begin again with a stiff method; `None` where it does not.  What slides in
+/// space slowly, as where it begins to at its limit, turns as fast as it is slow: of such steps any are too many.
+pub(super) fn steps_where_stiff(system: &dyn System, settings: &Settings) -> Option<f64> {
+    let turns = settings.method == Method::Auto && settings.where_stiff == WhereStiff::Turns;
+    let most = if slides_in_space(system) { 0.0 } else { MANY_STEPS };
+    (turns && system.len() <= LARGEST).then_some(most)
+}
+
+/// What becomes of a run that stability limits at a state: it begins again with a stiff method where the fastest there decays rather than vibrates, which
+/// a stiff method would damp.
+pub(super) fn where_stiff(system: &dyn System, t: f64, y: &[f64]) -> WhereStiff {
+    let (q, v) = y.split_at(y.len() / 2);
+    let rates = all_rates(system, t, q, v).unwrap_or_default();
+    let fastest = rates.into_iter().max_by(|a, b| a.norm().total_cmp(&b.norm()));
+    let decays = fastest.is_some_and(|rate| -rate.re > rate.im.abs());
+    if decays || slides_in_space(system) { WhereStiff::Turned } else { WhereStiff::Stays }
+}
+
+/// Whether there are contacts that slide in any direction.
+fn slides_in_space(system: &dyn System) -> bool {
+    system.contacts().all.iter().any(|contact| contact.direction.is_some())
 }
 
 /// Whether this is a linear system with constant coefficients, of which Lagrange's equations are solved.

@@ -8,6 +8,7 @@ use super::cancelling_forces;
 use super::close_calls::close_calls;
 use super::flat::widen_flat_events;
 use super::rounded_parameters::moved_parameters;
+use super::settings::WhereStiff;
 use super::steps_over::over_contacts;
 use super::{Settings, simulate_with};
 use crate::cause::Cause;
@@ -82,7 +83,11 @@ pub(crate) fn estimate_global_error(
     if run.rows.len() + run.outputs.len() > MOST_NUMBERS || run.has_untried_integrals() {
         return;
     }
-    let settings = &*over_contacts(system, settings);
+    // The other one turns where this one did, and nowhere else.
+    let stiff = matches!(run.method, Method::Radau5 | Method::Rodas5P);
+    let turned = settings.method == Method::Auto && stiff;
+    let where_stiff = if turned { WhereStiff::Turned } else { WhereStiff::Stays };
+    let settings = &Settings { where_stiff, ..over_contacts(system, settings).into_owned() };
     let mut goes_on = |_: f64| progress(settings.until);
     let Some(comparison) = comparison(system, settings, run, Distance::Near, &mut goes_on) else { return };
     let ComparisonRun { policy, finer, follows, run: other } = comparison;
@@ -109,7 +114,8 @@ pub(crate) fn estimate_global_error(
         digits.inflate(LOCALLY);
     }
     digits.part_floor(run, known_to(system, run, cut));
-    digits.frequency_error(run, detuning(system, run));
+    let detuning = detuning(system, run, &digits);
+    digits.frequency_error(run, detuning);
     widen_flat_events(system, run, &mut digits);
     let passes_over = run.warnings.iter().any(|warning| matches!(warning, Warning::PassedOver { .. }));
     if passes_over || leaves_to_either_side(run) {
@@ -184,16 +190,30 @@ fn constraint_round_off(system: &dyn System, t: f64, y: &[f64]) -> Option<Vec<f6
     Some(projection.constraint_round_off(system, t, y).to_vec())
 }
 
-/// By which part of themselves accelerations may be off all along, by the condition of M at the start and at the end of a run; 0 with
-/// constraints, which may do without an inertia.
-fn detuning(system: &dyn System, run: &Run) -> f64 {
+/// By which part of themselves accelerations may be off all along: by the condition of M at the start and at the end of a run; with constraints by what
+/// rounding of M, J and γ makes of accelerations at the end, beside those of vibrations that move as far and as fast as the run does.
+fn detuning(system: &mut dyn System, run: &Run, digits: &Digits) -> f64 {
     let n = system.len();
-    if !system.description().rows.is_empty() {
+    let Some(last) = run.len().checked_sub(1) else { return 0.0 };
+    let state = |row: usize| At::packed(run.times[row], &run.rows[2 * n * row..], n);
+    if system.description().rows.is_empty() {
+        let condition = [0, last].map(|row| inertia_condition(system, state(row)));
+        return ROUNDED_INERTIA * f64::EPSILON * condition[0].max(condition[1]);
+    }
+    // What friction holds would slip if forces changed.
+    if !system.contacts().all.is_empty() {
         return 0.0;
     }
-    let condition = |row: usize| inertia_condition(system, At::packed(run.times[row], &run.rows[2 * n * row..], n));
-    let ends = (0..run.len()).filter(|row| [0, run.len() - 1].contains(row));
-    ROUNDED_INERTIA * f64::EPSILON * ends.map(condition).fold(0.0, f64::max)
+    let [mut usual, mut wrong] = [vec![0.0; n], vec![0.0; n]];
+    let known = system.accelerations(state(last), &mut usual).is_ok();
+    system.disturb_forces(ROUNDED_INERTIA);
+    let known = known && system.accelerations(state(last), &mut wrong).is_ok();
+    system.disturb_forces(0.0);
+    let part = |i: usize| {
+        let size = digits.usual_acceleration(run, i).max(usual[i].abs());
+        if size > 0.0 { (wrong[i] - usual[i]).abs() / size } else { 0.0 }
+    };
+    (0..n).filter(|_| known).map(part).fold(0.0, f64::max)
 }
 
 /// What rounding may have made of the outputs at a state, however exact that is.
@@ -259,9 +279,9 @@ fn comparison(
     progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
 ) -> Option<ComparisonRun> {
     let mut other = alike(system, settings, run);
-    if run.method == Method::Exact {
+    if run.method == Method::Exact || settings.where_stiff == WhereStiff::Turned {
         // At another tolerance `auto` might take another method, whose errors say nothing of these.
-        other.method = Method::Exact;
+        other.method = run.method;
     }
     let disturbed = cancelling_forces::cancel(system, run);
     if disturbed && run.method == Method::Taylor {

@@ -34,10 +34,10 @@ pub(crate) use builder::{LAGRANGE, derivation};
 pub use by_hand::{StateMut, Stepping};
 pub(crate) use comparison::estimate_global_error;
 pub(crate) use interruption::Interruption;
-use settings::MOST_STEPS;
 #[cfg(feature = "cli")]
 pub(crate) use settings::Resumed;
 pub use settings::Settings;
+use settings::{MOST_STEPS, WhereStiff};
 use steps_over::{apart, over_contacts};
 pub use typed::Simulate;
 
@@ -170,8 +170,7 @@ pub fn simulate_with(
     run.warn_of_integrals(system);
     run.warn_of_tables(system);
     if settings.digits {
-        let turned_stiff = settings.method == Method::Auto && run.method == Method::Radau5;
-        estimate_global_error(system, &Settings { turned_stiff, ..settings.clone() }, &mut run, progress);
+        estimate_global_error(system, settings, &mut run, progress);
     }
     Ok(run)
 }
@@ -184,20 +183,22 @@ fn together(
 ) -> Result<Run, Error> {
     let clock = Stopwatch::start();
     let Start { mut integration, mut recorder, outcome } = start(system, settings, settings.spacing())?;
-    integration.leave_where_stiff(may_turn_stiff(system, settings));
+    integration.leave_where_stiff(auto::steps_where_stiff(system, settings));
     let outcome = outcome.and_then(|()| integration.advance(system, settings.until, &mut recorder, progress));
     match outcome {
-        Ok(StopReason::Stiff) => together(system, &Settings { turned_stiff: true, ..settings.clone() }, progress),
+        Ok(StopReason::Stiff) => {
+            let where_stiff = auto::where_stiff(system, integration.time(), integration.state().y);
+            let begun_again = |where_stiff| Settings { where_stiff, ..settings.clone() };
+            match together(system, &begun_again(where_stiff), progress) {
+                Err(error @ Error::Run(_)) if !error.is_interruption() && where_stiff == WhereStiff::Turned => {
+                    together(system, &begun_again(WhereStiff::Stays), progress)
+                }
+                outcome => outcome,
+            }
+        }
         Ok(_) => Ok(finish(system, &integration, recorder, clock)),
         Err(cause) => Err(fail(*cause, system, &integration, recorder, clock)),
     }
-}
-
-/// Whether a run begins again with a stiff method where stability limits its steps: what slides in space slowly, as where it begins to at its limit, turns
-/// as fast as it is slow.
-fn may_turn_stiff(system: &dyn System, settings: &Settings) -> bool {
-    let in_space = system.contacts().all.iter().any(|contact| contact.direction.is_some());
-    in_space && settings.method == Method::Auto && !settings.turned_stiff && system.description().switches.is_empty()
 }
 
 /// Ticks that are nearer to each other than this part of their time are not told apart (`events/sides.rs`: what is one instant), and would never end.

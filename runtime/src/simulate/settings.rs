@@ -85,8 +85,8 @@ pub struct Settings {
     /// Whether steps that the tolerance does not limit are chosen otherwise than usual: a run to compare with has none in
     /// common, even where stops and growth limit them all.
     pub(crate) decorrelate_steps: bool,
-    /// Whether `auto` met what slides in space and begins so slowly that explicit methods are limited by stability.
-    pub(crate) turned_stiff: bool,
+    /// What `auto` does where stability limits its steps.
+    pub(crate) where_stiff: WhereStiff,
     /// Steps of another run that limit those of this one.
     pub(crate) followed: Option<Followed>,
     /// The start that this one was moved from by rounding, which decides what is at its zero there.
@@ -110,6 +110,18 @@ pub(crate) struct Resumed {
     pub step: f64,
     /// The least and the largest value of each component of [q; q'] so far; what is not finite is not known.
     pub seen: [Vec<f64>; 2],
+}
+
+/// What `auto` does where stability limits its steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum WhereStiff {
+    /// It begins again with a stiff method.
+    #[default]
+    Turns,
+    /// It has begun again.
+    Turned,
+    /// It goes on: the stiff method did not come through.
+    Stays,
 }
 
 impl Settings {
@@ -142,7 +154,7 @@ impl Settings {
             enforcement: Enforcement::default(),
             stabilisation: Stabilisation::default(),
             decorrelate_steps: false,
-            turned_stiff: false,
+            where_stiff: WhereStiff::Turns,
             followed: None,
             beside: None,
             instants: Arc::from([]),
