@@ -50,14 +50,14 @@ pub use constrained::{Constrained, linearise_constrained, linearise_driven, stea
 pub use constrained::{Tangent, linearise_tangent, turning_coordinates};
 #[cfg(feature = "cli")]
 pub(crate) use equilibrium::force_unit;
-#[cfg(all(feature = "cli", feature = "modal"))]
-pub(crate) use equilibrium::periods;
 pub use equilibrium::{
     Equilibrium, Guess, Jump, Linearised, Trimmed, TrimmedValue, Unknown, ZeroStiffness, equilibria, equilibrium_here,
     equilibrium_near, linearise, state_matrix, trim, trim_steady,
 };
 #[cfg(feature = "modal")]
 pub use equilibrium::{SampledLoop, StateSpace, linearise_sampled, linearise_states};
+#[cfg(all(feature = "cli", feature = "modal"))]
+pub(crate) use equilibrium::{periods, ticking};
 #[cfg(feature = "cli")]
 pub(crate) use forced::turned;
 pub use forced::{

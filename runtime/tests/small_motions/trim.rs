@@ -200,3 +200,23 @@ fn what_is_met_to_rounding_is_left_alone() {
     let refused = words(hover, &["--hold", "z", "--solve", "T", "--set", "W=500"]).unwrap_err();
     assert!(refused.contains("z: 1.5568 N"), "{refused}");
 }
+
+/// A motor at a constant rate carries b W/K, wherever the scene's start has its current, and needs R i + K W.
+#[test]
+fn states_follow_or_are_held_in_steady_motions() {
+    let file = |start: &str| {
+        format!(
+            "name: Motor\nparameters: {{J: 1e-3 kg*m^2, L: 1 mH, R: 1 ohm, K: 0.05 N*m/A, U: 12 V, W: 100 rad/s, b: 1e-4 N*m*s}}\n\
+             coordinates: {{phi: rad}}\nstates: {{i: {{unit: A, rate: (u - R*i - K*phi')/L}}}}\ninputs: {{u: U}}\n\
+             kinetic_energy: J*phi'^2/2\ngeneralized_forces: {{phi: K*i - b*phi'}}\nscene: {{start: {{i: {start}, phi': W}}, until: 0.5}}\n"
+        )
+    };
+    for start in ["0", "0.2", "-3"] {
+        let value = run(&file(start), &["--steady", "--hold", "i=0.4", "--solve", "u,W"]);
+        close(found(&value, "W"), 200.0, 1e-12);
+        close(found(&value, "u"), 10.4, 1e-12);
+        let value = run(&file(start), &["--steady", "--hold", "phi=0", "--solve", "u"]);
+        close(found(&value, "u"), 5.2, 1e-12);
+        close(value["equilibrium"]["i"].as_f64().unwrap(), 0.2, 1e-12);
+    }
+}

@@ -115,6 +115,10 @@ fn motions_that_are_not_reached_or_shown_are_named() {
     let table = fs::read_to_string(&path).expect("a table");
     assert_eq!(table.lines().next(), Some("row,x,y,x',y',push"));
     assert_eq!(table.lines().count(), 6);
+    // The same on standard output, in the place of the report.
+    let printed = run(&["modes", &masses.0, "--state-space", "-", "--out", "apart"]).expect("matrices");
+    let printed: serde_json::Value = serde_json::from_str(&printed).expect("JSON");
+    assert_eq!(printed["A"].as_array().map(Vec::len), Some(4), "{printed}");
     let one = told(&["--in", "x"]);
     assert!(one.contains("inputs reach all motions") && one.contains("outputs show all motions"), "{one}");
     fs::remove_file(&path).expect("a file that goes");

@@ -59,7 +59,7 @@ const MOST_PRINTED: usize = 12;
 
 /// Searches from `--at` or the file's guess (or takes it as it is), linearises, and prints the modes.
 pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
-    for option in PICTURES.into_iter().chain(["animate", "state-space", "matrices"]) {
+    for option in PICTURES.into_iter().chain(["animate", "matrices"]) {
         options.get_one::<String>(option).map_or(Ok(()), |path| outputs::refuse_hyphen(option, path))?;
     }
     let mut drawn = PICTURES.iter().filter_map(|name| options.get_one::<String>(name));

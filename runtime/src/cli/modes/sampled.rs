@@ -15,8 +15,8 @@ use super::super::{Problem, json};
 use super::contacts::ContactsAtRest;
 use super::states::OF_MODES;
 use super::{MOST_PRINTED, failed};
-use crate::linear::{Guess, SampledLoop, linearise_sampled, periods, short};
-use crate::mechanism::{System, Text};
+use crate::linear::{Guess, SampledLoop, linearise_sampled, periods, short, ticking};
+use crate::mechanism::{System, Text, Trigger};
 
 /// Finds the rest of the loop and its map, and prints the eigenvalues.
 pub fn run(loaded: &Loaded, options: &ArgMatches, guess: Guess, out: &mut dyn Write) -> Result<(), Problem> {
@@ -130,8 +130,16 @@ fn stability(found: &SampledLoop, out: &mut dyn Write) -> Result<(), Problem> {
 
 /// Periods at which stability changes, and what is varied with them.
 fn thresholds(found: &SampledLoop, system: &dyn System, out: &mut dyn Write) -> Result<(), Problem> {
+    let (events, triggers, clocks) = (&system.description().events, &system.sampling().triggers, ticking(system));
+    // Of several clocks each has its own period, under the name of its event.
+    let name = |clock: usize| {
+        let event = triggers.iter().position(|trigger| *trigger == Trigger::Tick(clock as u32));
+        let event = event.filter(|_| clocks.len() > 1).and_then(|event| events.get(event));
+        event.map_or_else(String::new, |event| format!(" of `{}`", event.name))
+    };
     let at = |factor: f64| {
-        periods(system).iter().map(|every| format!("{:?} s", factor * every)).collect::<Vec<_>>().join(", ")
+        let of = |(clock, every): &(usize, f64)| format!("{:?} s{}", factor * every, name(*clock));
+        clocks.iter().map(of).collect::<Vec<_>>().join(", ")
     };
     let other = if found.alone.is_empty() { "" } else { " other" };
     match found.critical_factor {

@@ -26,10 +26,12 @@ impl Speeds {
     /// As the options say, from a scene's start, with inputs held.
     pub fn new(loaded: &Loaded, options: &ArgMatches, scene: usize, inputs: &[f64]) -> Result<Speeds, Problem> {
         let start = loaded.system.scene(scene);
-        let of_scene = match options.get_flag("steady") {
+        let mut of_scene = match options.get_flag("steady") {
             false => Vec::new(),
             true => going(loaded, &Guess { inputs: inputs.to_vec(), ..Guess::at(&start.q) }, &start.v)?,
         };
+        // States of first order are no speeds that go on: they are looked for.
+        of_scene.retain(|i| *i < loaded.system.description().mechanical());
         let mut v = vec![0.0; start.v.len()];
         of_scene.iter().for_each(|i| v[*i] = start.v[*i]);
         let mut given = Vec::new();

@@ -26,10 +26,10 @@ pub(super) use linearise::linearised_at;
 pub use linearise::{Linearised, linearise, state_matrix};
 pub(super) use point::LinearisationPoint;
 pub(crate) use point::force_unit;
-#[cfg(all(feature = "cli", feature = "modal"))]
-pub(crate) use sampled::periods;
 #[cfg(feature = "modal")]
 pub use sampled::{SampledLoop, linearise_sampled};
+#[cfg(all(feature = "cli", feature = "modal"))]
+pub(crate) use sampled::{periods, ticking};
 pub(super) use search::ConvergenceHistory;
 pub use search::{Equilibrium, Guess, equilibria, equilibrium_here, equilibrium_near};
 #[cfg(feature = "modal")]

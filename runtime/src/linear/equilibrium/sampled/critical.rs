@@ -93,10 +93,15 @@ fn multiply(system: &mut dyn System, followers: &[Follower], factor: f64) {
     }
 }
 
+/// The clocks that do not tick for noise alone, by their places, with their periods.
+pub fn ticking(system: &dyn System) -> Vec<(usize, f64)> {
+    let clocks = system.clocks().into_iter().enumerate().filter(|(clock, _)| !is_of_noise(system, *clock));
+    clocks.map(|(clock, [_, every])| (clock, every)).collect()
+}
+
 /// The periods of all clocks that do not tick for noise alone.
 pub fn periods(system: &dyn System) -> Vec<f64> {
-    let clocks = system.clocks().into_iter().enumerate().filter(|(clock, _)| !is_of_noise(system, *clock));
-    clocks.map(|(_, [_, every])| every).collect()
+    ticking(system).into_iter().map(|(_, every)| every).collect()
 }
 
 /// Parameters with which all periods are multiplied alike: for each clock one that multiplies its period, of those that do a time or a

@@ -19,9 +19,9 @@ mod rest;
 
 use nalgebra::{Complex, DMatrix, DVector};
 
-#[cfg(feature = "cli")]
-pub(crate) use critical::periods;
 use critical::{Critical, LONGEST_PERIOD, SHORTEST_PERIOD, Varying};
+#[cfg(feature = "cli")]
+pub(crate) use critical::{periods, ticking};
 use cycle::{Cycle, INSTANT};
 use rest::{Assignment, Search};
 
