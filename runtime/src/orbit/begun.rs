@@ -13,6 +13,7 @@ use super::smallest::{self, WithPeriod, follows_to};
 use super::stability::{Spectrum, spectrum};
 use super::structure::{self, Known};
 use crate::error::{Error, NoOrbit};
+use crate::events::{Around, locate};
 use crate::find::Value;
 use crate::run::{Names, Run};
 use crate::simulate::{Settings, simulate};
@@ -27,6 +28,8 @@ const SPREAD: f64 = 1e4;
 const MOST_UNKNOWNS: usize = 500;
 /// A motion that goes this part as far as the guess, or less, is none.
 const SHRUNK: f64 = 1e-6;
+/// A lap is looked at in so many places for where a coordinate turns round.
+const TURNS: usize = 128;
 /// A direction lies in a span up to this part of it.
 pub(super) const WITHIN: f64 = 1e-4;
 
@@ -42,6 +45,8 @@ pub(super) struct Begun {
     pub rest_energy: f64,
     /// So many times the motion was repeated within the period of the guess.
     pub repeats: usize,
+    /// The coordinate that turns round where the motion is to begin, if that is told.
+    pub turns: Option<usize>,
     /// Whether the user chose the number of pieces.
     pub chosen: bool,
     /// Other values of parameters, by their places, with which the motion is to close in the same way.
@@ -127,7 +132,50 @@ impl Begun {
     pub fn finish(&mut self, solution: Solution) -> Result<Orbit, Error> {
         let (solution, found) = self.smallest(solution)?;
         self.only_rests(&solution)?;
+        // Loose runs may close worse from where nothing moves.
+        if let Some((turned, found)) = self.begun_at_its_turn(&solution)? {
+            match self.told(turned, found) {
+                Err(error) if !error.is_interruption() => {}
+                outcome => return outcome,
+            }
+        }
         self.told(solution, found)
+    }
+
+    /// The same motion, begun where a coordinate turns round; `None` where that is not told, or not found.
+    fn begun_at_its_turn(&mut self, solution: &Solution) -> Result<Option<(Solution, Spectrum)>, Error> {
+        let Some(part) = self.turn(solution) else { return Ok(None) };
+        let legs = solution.point.starts.len();
+        let starts = (0..legs).map(|k| self.laps.state(solution, part + k as f64 / legs as f64)).collect::<Option<_>>();
+        let Some(starts) = starts else { return Ok(None) };
+        match self.laps.solve(Point { starts, ..solution.point.clone() }, None) {
+            Ok(turned) => {
+                let found = spectrum(&mut self.laps, &turned.trial);
+                Ok(Some((Solution { steps: solution.steps + turned.steps, ..turned }, found)))
+            }
+            Err(error) if error.is_interruption() => Err(error),
+            Err(_) => Ok(None),
+        }
+    }
+
+    /// Where the coordinate that is told turns round, the nearest to the start, in parts of a lap from there.
+    fn turn(&self, solution: &Solution) -> Option<f64> {
+        let i = self.laps.n() + self.turns.filter(|_| self.laps.laps == 1)?;
+        let rate = |part: f64| Some(self.laps.state(solution, part)?[i]);
+        let place = |k: usize| (k as f64 / TURNS as f64 - 0.5).clamp(-0.5, 0.5);
+        let crosses = |k: usize| Some(rate(place(k))? * rate(place(k + 1))? <= 0.0);
+        let turns = (0..TURNS).filter(|k| crosses(*k) == Some(true)).map(|k| {
+            let (a, b) = (place(k), place(k + 1));
+            let of = |part: f64| rate(part).unwrap_or(f64::NAN);
+            locate(of, (a, of(a)), (b, of(b)), Around::bracket(a, b)).0
+        });
+        turns.min_by(|a, b| a.abs().total_cmp(&b.abs()))
+    }
+
+    /// Where a motion begins that is told: where its coordinate turns round, if that is asked and known.
+    pub fn start_of(&self, solution: &Solution) -> Vec<f64> {
+        let turned = self.turn(solution).and_then(|part| self.laps.state(solution, part));
+        turned.unwrap_or_else(|| solution.trial.pieces[0].start.y.clone())
     }
 
     /// A solution in scales of its own motion: a guess that runs away is far larger, and beside it anything closes.

@@ -267,7 +267,7 @@ impl Closing {
     }
 
     /// The state whose image this is.
-    fn inverse(&self, y: &[f64]) -> Vec<f64> {
+    pub fn inverse(&self, y: &[f64]) -> Vec<f64> {
         let n = self.images.len();
         let mut before = vec![0.0; 2 * n];
         for (i, (k, opposite)) in self.images.iter().enumerate() {

@@ -87,6 +87,8 @@ struct RestingMode {
     /// The shape in the independent coordinates, and in all.
     independent: Vec<f64>,
     shape: Vec<f64>,
+    /// Rates there: 0 but for gyroscopic forces, under which coordinates turn round at different times.
+    rates: Vec<f64>,
 }
 
 impl RestingMode {
@@ -102,15 +104,24 @@ impl RestingMode {
                 (linearise(system, &equilibrium).map_err(Error::from)?, None)
             }
         };
-        let modes = normal_modes(&linear, Reduction::default()).map_err(Error::from)?;
+        let modes = match linear.gyroscopic().to_dense().iter().all(|x| *x == 0.0) {
+            true => normal_modes(&linear, Reduction::default()),
+            false => linear.modes(),
+        };
+        let modes = modes.map_err(Error::from)?;
         let mode = number.checked_sub(1).and_then(|k| modes.get(k)).filter(|mode| mode.omega > 0.0);
         let Some(mode) = mode else { return Err(NoOrbit::NoMode { mode: number, known: modes.len() }.into()) };
-        let independent = mode.real_shape();
-        let shape = match &follow {
-            Some(motions) => (motions * DVector::from_column_slice(&independent)).as_slice().to_vec(),
-            None => independent.clone(),
+        let all = |part: &[f64]| match &follow {
+            Some(motions) => (motions * DVector::from_column_slice(part)).as_slice().to_vec(),
+            None => part.to_vec(),
         };
-        Ok(RestingMode { omega: mode.omega, linear, independent, shape })
+        // Turned so that what moves most is where it turns round.
+        let most = mode.shape.iter().max_by(|a, b| a.norm().total_cmp(&b.norm())).copied().unwrap_or_default();
+        let turned: Vec<_> = mode.shape.iter().map(|x| x * (most.conj() / most.norm())).collect();
+        let independent: Vec<f64> = turned.iter().map(|x| x.re).collect();
+        let rates = all(&turned.iter().map(|x| (x * mode.eigenvalue).re).collect::<Vec<_>>());
+        let shape = all(&independent);
+        Ok(RestingMode { omega: mode.omega, linear, independent, shape, rates })
     }
 
     /// The coordinate that moves most, by its place, and by how much in the shape.
@@ -135,8 +146,8 @@ const SHORTER: f64 = 0.8;
 const SHORTENED: usize = 60;
 const NEAR_ENOUGH: f64 = 1.2;
 
-/// A state at rest, displaced from the equilibrium along a mode so that the coordinate that moves most moves by this amplitude, or by as much
-/// as gives small motions an energy; the period of small motions, and the energy of the equilibrium.
+/// A state displaced from the equilibrium along a mode, at rest but for gyroscopic forces, so that the coordinate that moves most moves by this amplitude, or by as much
+/// as gives small motions an energy; the period of small motions, the coordinates of the equilibrium, and the coordinate that moves most.
 /// With constraints it is displaced along a tangent of theirs, and the run that begins there closes them.
 ///
 /// # Errors
@@ -146,10 +157,10 @@ pub(super) fn mode(
     start: &[f64],
     (number, amplitude): (usize, f64),
     wanted: Option<f64>,
-) -> Result<(Vec<f64>, f64, Vec<f64>), Error> {
+) -> Result<(Vec<f64>, f64, Vec<f64>, usize), Error> {
     let mode = RestingMode::find(system, start, number)?;
-    let largest = mode.largest().1;
-    let RestingMode { linear, omega, independent, shape } = mode;
+    let (moves, largest) = mode.largest();
+    let RestingMode { linear, omega, independent, shape, rates } = mode;
     let rests = &linear.equilibrium.q;
     let displaced = |amplitude: f64| -> Vec<f64> {
         let mut q: Vec<f64> = rests.iter().zip(&shape).map(|(q, x)| q + amplitude * x / largest).collect();
@@ -160,8 +171,8 @@ pub(super) fn mode(
         }
         q
     };
-    let rest = vec![0.0; shape.len()];
-    let least = system.energy(crate::mechanism::At::new(0.0, rests, &rest)).jacobi;
+    let speeds = |amplitude: f64| rates.iter().map(|rate| amplitude * rate / largest).collect::<Vec<f64>>();
+    let least = system.energy(crate::mechanism::At::new(0.0, rests, &speeds(0.0))).jacobi;
     // By the energy of small motions, which an amplitude that is large for the mechanism does not have.
     let small = DVector::from_column_slice(&independent) * (amplitude / largest);
     let risen = 0.5 * omega * omega * small.dot(&(linear.m() * &small));
@@ -170,8 +181,8 @@ pub(super) fn mode(
     if let Some(wanted) = wanted.filter(|_| !has_dependent_coordinates(system)) {
         // What gets stiffer has this energy sooner.
         let energy = |factor: f64| {
-            let q = displaced(factor * amplitude);
-            system.energy(crate::mechanism::At::new(0.0, &q, &rest)).jacobi - least
+            let (q, v) = (displaced(factor * amplitude), speeds(factor * amplitude));
+            system.energy(crate::mechanism::At::new(0.0, &q, &v)).jacobi - least
         };
         for _ in 0..SHORTENED {
             if energy(factor) <= wanted * NEAR_ENOUGH {
@@ -180,7 +191,12 @@ pub(super) fn mode(
             factor *= SHORTER;
         }
     }
-    Ok(([displaced(factor * amplitude), rest].concat(), std::f64::consts::TAU / omega, rests.clone()))
+    Ok((
+        [displaced(factor * amplitude), speeds(factor * amplitude)].concat(),
+        std::f64::consts::TAU / omega,
+        rests.clone(),
+        moves,
+    ))
 }
 
 /// A run along the guess, the sizes of [q; q'], and how long a lap takes; the settings begin where it does.

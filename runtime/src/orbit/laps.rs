@@ -116,6 +116,18 @@ impl Laps {
         self.system.len()
     }
 
+    /// The state after a part of a lap, or before: what is before its start is an image of what is before its end.
+    pub fn state(&self, solution: &Solution, part: f64) -> Option<Vec<f64>> {
+        let whole = part.floor();
+        let y = solution.at(part - whole)?;
+        Some(match whole {
+            0.0 => y,
+            -1.0 => self.closing.image(&y),
+            1.0 => self.closing.inverse(&y),
+            _ => return None,
+        })
+    }
+
     /// Unknowns beside the starts.
     fn others(&self) -> usize {
         usize::from(self.time == Time::Free) + usize::from(self.parameter.is_some())

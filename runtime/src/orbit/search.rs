@@ -36,6 +36,8 @@ pub struct OrbitSearch {
     shifted: Vec<String>,
     turned: Vec<(String, f64)>,
     mode: Option<(usize, f64)>,
+    /// Whether the mode's period is no guess of the motion's.
+    far_from_small: bool,
     rest: bool,
     energy: Option<f64>,
     legs: Option<usize>,
@@ -52,6 +54,8 @@ pub struct OrbitSearch {
 struct ModeStart {
     /// The coordinates of the equilibrium; `None` without a mode.
     rests: Option<Vec<f64>>,
+    /// The coordinate that moves most.
+    moves: Option<usize>,
     /// A guess of the period, s: the user's, or the mode's.
     period: Option<f64>,
 }
@@ -101,6 +105,7 @@ impl OrbitSearch {
             shifted: Vec::new(),
             turned: Vec::new(),
             mode: None,
+            far_from_small: false,
             rest: false,
             energy: None,
             legs: None,
@@ -212,22 +217,27 @@ impl OrbitSearch {
         self
     }
 
-    /// Searches.  Where the motion of an energy is not found near those of small motions of a mode, their family leads to it.
+    /// Searches.  Where the motion of an energy is not found near those of small motions of a mode, their family leads to it; where a guess of the
+    /// period leads to rest, the run's own near returns are tried.
     ///
     /// # Errors
     /// [`Error::NoOrbit`]; names that are unknown; what ends the first run early; [`Error::NoSlopes`].
     pub fn find(self) -> Result<Orbit, Error> {
-        let (scene, small) = (self.scene(), self.small_motions());
-        let search = || {
-            let mut begun = self.begin()?;
+        let (scene, small, unguessed) = (self.scene(), self.small_motions(), self.without_period());
+        let search = |begins: OrbitSearch| {
+            let mut begun = begins.begin()?;
             let solution = begun.first()?;
             begun.finish(solution)
         };
-        let found = match (search(), small) {
-            (Err(error), Some((small, energy))) if !error.is_interruption() => {
-                small.along_energies(energy).map_err(|_| error)
-            }
-            (found, _) => found,
+        let rests = |error: &Error| matches!(error, Error::NoOrbit(why) if matches!(**why, NoOrbit::Rest));
+        let found = match search(self) {
+            Err(error) if error.is_interruption() => Err(error),
+            Err(error) => match (small, unguessed) {
+                (Some((small, energy)), _) => small.along_energies(energy).map_err(|_| error),
+                (None, Some(unguessed)) if rests(&error) => search(unguessed).map_err(|_| error),
+                _ => Err(error),
+            },
+            found => found,
         };
         found.map_err(|error| with_returns(error, scene))
     }
@@ -240,23 +250,32 @@ impl OrbitSearch {
 
     /// The search for small motions of a mode, and the energy of the motion that is asked for, where it is one of theirs.
     fn small_motions(&self) -> Option<(OrbitSearch, f64)> {
-        let (energy, mode) = self.energy.zip(self.mode).filter(|_| self.motion.is_none())?;
+        let (energy, _) = self.energy.zip(self.mode).filter(|_| self.motion.is_none())?;
+        Some((OrbitSearch { energy: None, ..self.again()? }, energy))
+    }
+
+    /// The search without a guess of the period: neither the user's, nor that of small motions.
+    fn without_period(&self) -> Option<OrbitSearch> {
+        (self.period.is_some() || self.mode.is_some()).then_some(())?;
+        Some(OrbitSearch { period: None, far_from_small: true, ..self.again()? })
+    }
+
+    /// The same search; `None` where what was described has an error.
+    fn again(&self) -> Option<OrbitSearch> {
         let (system, settings, origin) = self.described.as_ref().ok()?;
-        let small = OrbitSearch {
-            period: self.period,
-            part: self.part,
+        Some(OrbitSearch {
+            described: Ok((system.boxed_clone(), settings.clone(), origin.clone())),
             after: self.after.clone(),
             images: self.images.clone(),
             mirrored: self.mirrored.clone(),
             shifted: self.shifted.clone(),
             turned: self.turned.clone(),
-            mode: Some(mode),
-            legs: self.legs,
+            varies: self.varies.clone(),
+            motion: self.motion.clone(),
             #[cfg(feature = "interpret")]
             extended: self.extended.clone(),
-            ..OrbitSearch::of(Ok((system.boxed_clone(), settings.clone(), origin.clone())))
-        };
-        Some((small, energy))
+            ..*self
+        })
     }
 
     /// The laps and a guess.
@@ -269,7 +288,7 @@ impl OrbitSearch {
         let stated = self.period.is_some();
         let timed = acting::time_acts(&*system, &self.varies, &[settings.q.as_slice(), &settings.v].concat());
         let drive = if timed { Drive::of(&*system, self.period)? } else { Drive::None };
-        let ModeStart { rests, mut period } = self.begin_at_mode(&*system, &mut settings)?;
+        let ModeStart { rests, moves, mut period } = self.begin_at_mode(&*system, &mut settings)?;
         let rest_energy = rests.as_ref().map_or(0.0, |q| {
             let still = vec![0.0; q.len()];
             system.energy(At::new(0.0, q, &still)).jacobi
@@ -301,6 +320,7 @@ impl OrbitSearch {
         let acts = run.junctions.iter().any(|junction| !junction.events.is_empty());
         let legs = self.pieces(closing.by, acts);
         let given = Closing { reversed: Vec::new(), ..closing.clone() } != Closing::period(system.description());
+        let turns = time == Time::Free && closing.reversed.is_empty();
         let energy = self.energy.map(|energy| energy + rest_energy);
         let momenta =
             if acts { Vec::new() } else { momenta(&mut *system, &settings, &self.varies, (&closing, &run), known) };
@@ -333,6 +353,7 @@ impl OrbitSearch {
             acts,
             rest_energy,
             repeats: 1,
+            turns: moves.filter(|_| turns),
             chosen: self.legs.is_some(),
             elsewhere: Vec::new(),
             #[cfg(feature = "interpret")]
@@ -367,15 +388,19 @@ impl OrbitSearch {
 
     /// Begins at a mode, where one is asked for.
     fn begin_at_mode(&self, system: &dyn System, settings: &mut Settings) -> Result<ModeStart, Error> {
-        let Some(mode) = self.mode else { return Ok(ModeStart { rests: None, period: self.period }) };
-        let (y, time, rests) = guess::mode(system, &settings.q, mode, self.energy)?;
+        let Some(mode) = self.mode else { return Ok(ModeStart { rests: None, moves: None, period: self.period }) };
+        let (y, time, rests, moves) = guess::mode(system, &settings.q, mode, self.energy)?;
         guess::begin_at(settings, y);
         if has_dependent_coordinates(system) {
             // Brought to the constraints.
             let n = system.len();
             (settings.held_q, settings.held_v, settings.guessed) = (vec![false; n], vec![false; n], true);
         }
-        Ok(ModeStart { rests: Some(rests), period: self.period.or(Some(time)) })
+        Ok(ModeStart {
+            rests: Some(rests),
+            moves: Some(moves),
+            period: self.period.or(Some(time).filter(|_| !self.far_from_small)),
+        })
     }
 
     /// Into how many pieces the map is cut.

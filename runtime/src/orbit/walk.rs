@@ -400,7 +400,7 @@ impl Walk {
         Member {
             value: node.value,
             period: self.begun.laps.duration(&node.solution.trial),
-            start: node.solution.trial.pieces[0].start.y.clone(),
+            start: self.begun.start_of(&node.solution),
             amplitudes: ranges.into_iter().map(|[low, high]| 0.5 * (high - low)).collect(),
             multipliers: node.spectrum.with_errors(None),
             asked,
