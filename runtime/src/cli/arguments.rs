@@ -387,12 +387,15 @@ fn modes() -> Command {
 
 fn chart() -> Command {
     Command::new("chart")
-        .about("Charts speed against accuracy: what every method that suits, and every way of treating constraints, costs for its error; and, of a scene with `needs`, every model that leaves something out; with --steps errors against step sizes")
+        .about("Charts speed against accuracy: what every method that suits, and every way of treating constraints, costs for its error; and, of a scene with `needs`, every model that leaves something out; with --steps errors against step sizes; with --returns how far methods miss the start of a motion that repeats")
         .arg(model())
         .args(sizes())
         .arg(quiet())
         .args(scene().into_iter().filter(|arg| arg.get_id() != "tolerance"))
         .arg(flag("steps", "Chart errors against step sizes instead, halved down to rounding, with the order that each method shows; methods with error control only where --methods names them").conflicts_with_all(["twin", "needs", "within"]))
+        .arg(value("returns", "COUNT", "Chart instead how far methods miss the start of a motion that repeats, each time that it should be back, for so many periods; the motion is the one that `orbit` finds from here").value_parser(clap::value_parser!(u64).range(1..)).conflicts_with_all(["steps", "twin", "needs", "within", "until"]))
+        .arg(value("motion", "NAME", "With --returns: a motion of the file that closes").id(MOTION).requires("returns").conflicts_with("scene"))
+        .arg(value("state", "FILE", "A state to start from, as --save writes it, or - for standard input; --start goes before"))
         .arg(value("methods", "A,B", "Only these methods [default: all that suit]"))
         .arg(value("compare", "NAME,NAME", "What errors are taken of: coordinates, rates, outputs [default: the coordinates]"))
         .arg(value("twin", "NAME", "Another file of the same mechanism, in minimal coordinates say, at its scene of the same name or its first; compared by outputs of the same names"))

@@ -9,10 +9,11 @@ use clap::ArgMatches;
 
 use super::load::Loaded;
 use super::plotted::filled_parts;
-use super::set_up::set_up;
-use super::{Context, Problem, needs, outputs};
+use super::set_up::{motion_index, origin, set_up};
+use super::{Context, Problem, needs, orbit, outputs};
 use crate::mechanism::{Description, Interpreted, Method, System};
 use crate::needs::Needs;
+use crate::orbit::{Orbit, OrbitSearch};
 use crate::precision::{Candidate, Convergence, DoubleOnly, Fidelity, Plan, Reference, WorkPrecision};
 use crate::simulate::Interruption;
 use crate::{Error, Settings};
@@ -70,9 +71,19 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     }
     let plan = Plan { columns, ..Plan::default() };
     let model = loaded.to_interpret(options);
-    let mut measured = vec![measure(&methods, &plan, &model, &interruption)?];
+    let goes_round = match options.get_one::<u64>("returns") {
+        Some(count) => Some((found_orbit(&loaded, options, &settings)?, *count as usize)),
+        None => None,
+    };
+    let measure = |candidates: &[Candidate]| match &goes_round {
+        Some((orbit, count)) => {
+            said(&interruption, |progress| WorkPrecision::of_returns(orbit, *count, candidates, &plan, progress))
+        }
+        None => measure(candidates, &plan, &model, &interruption),
+    };
+    let mut measured = vec![measure(&methods)?];
     if !ways.is_empty() && !interruption.is_asked() {
-        let mut found = measure(&ways, &plan, &model, &interruption)?;
+        let mut found = measure(&ways)?;
         found.title = format!("{}: formulations, by dop853", found.title);
         measured.push(found);
     }
@@ -192,8 +203,21 @@ fn measure(
     model: &Result<Interpreted, DoubleOnly>,
     interruption: &Interruption,
 ) -> Result<WorkPrecision, Problem> {
-    let extended = |first: &Candidate, found: Reference| found.extended(first, model.as_ref().map_err(|why| *why));
+    let extended = |first: &Candidate| {
+        Ok(Reference::find(first, &plan.columns)?.extended(first, model.as_ref().map_err(|why| *why)))
+    };
     said(interruption, |progress| WorkPrecision::against(candidates, plan, extended, progress))
+}
+
+/// The motion that repeats, whose returns are charted.
+fn found_orbit(loaded: &Loaded, options: &ArgMatches, settings: &Settings) -> Result<Orbit, Problem> {
+    let described = (loaded.system.boxed_clone(), settings.clone(), origin(loaded, options)?);
+    let search = OrbitSearch::of(Ok(described));
+    let search = match motion_index(loaded, options)? {
+        Some(place) => orbit::asked(search, loaded, place)?,
+        None => search,
+    };
+    search.find().map_err(|error| orbit::problem(&error))
 }
 
 /// Measures while a terminal says whose turn it is.

@@ -122,9 +122,9 @@ const EXAMPLES: [(&str, &[&str]); 17] = [
     (
         "chart",
         &[
-            "chart simple_pendulum --methods dop853,rk4,verlet",
             "chart simple_pendulum --steps --methods rk4,verlet",
             "chart simple_pendulum --methods dop853,taylor --plot chart.png --csv chart.csv",
+            "chart simple_pendulum --returns 100 --methods verlet,dop853",
         ],
     ),
     (

@@ -93,7 +93,7 @@ pub(super) fn unless_broken_off(interrupted: bool) -> Result<(), Problem> {
 }
 
 /// With what a motion of the file says.
-fn asked(search: OrbitSearch, loaded: &Loaded, place: usize) -> Result<OrbitSearch, Problem> {
+pub(super) fn asked(search: OrbitSearch, loaded: &Loaded, place: usize) -> Result<OrbitSearch, Problem> {
     let motion = &loaded.system.motions()[place];
     match &motion.goal {
         Goal::Closes(closes) => Ok(search.asking(place, closes)),
@@ -153,7 +153,7 @@ fn mapped(search: OrbitSearch, loaded: &Loaded, text: &str) -> Result<StabilityM
 }
 
 /// What is wrong with a search, or with what it was told.
-fn problem(error: &Error) -> Problem {
+pub(super) fn problem(error: &Error) -> Problem {
     match error {
         Error::NoOrbit(_) | Error::NoSlopes(_) | Error::Linear(_) => Problem::Run(error.to_string()),
         Error::Run(failure) => Problem::Run(failure.to_string()),

@@ -323,7 +323,7 @@ pub fn origin(loaded: &Loaded, options: &ArgMatches) -> Result<Origin, Problem> 
             Place::Speed(index) => n + index,
         }] = true;
     }
-    let tolerance = options.get_one::<String>("tolerance").is_some();
+    let tolerance = options.try_get_one::<String>("tolerance").ok().flatten().is_some();
     Ok(Origin { scene: Some(scene).filter(|_| !stated), given, tolerance })
 }
 

@@ -95,7 +95,7 @@ pub enum Error {
         /// The names there are.
         known: Vec<String>,
     },
-    /// There is nothing to measure errors from: no two methods agree on the motion.
+    /// There is nothing to measure errors from: no two methods agree on the motion, say.
     NoReference {
         /// What stands in the way.
         why: String,
@@ -336,7 +336,7 @@ impl fmt::Display for Error {
                 }
             }
             Error::NoReference { why } => {
-                write!(f, "no two methods agree on the motion, so that errors cannot be measured: {why}")
+                write!(f, "there is nothing to measure errors from: {why}")
             }
             Error::NeedsPng { path } => write!(
                 f,

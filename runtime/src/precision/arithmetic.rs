@@ -20,6 +20,13 @@ pub enum Arithmetic {
         /// The largest difference from the first method in `f64`, in parts of ranges.
         from_double: f64,
     },
+    /// `f64`: the values are those at the start of a motion that repeats, which it has again after each period.
+    Returns {
+        /// The period, s.
+        period: f64,
+        /// How many periods.
+        periods: usize,
+    },
 }
 
 /// Why a reference, or a motion that repeats, is in `f64` only.

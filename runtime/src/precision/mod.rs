@@ -9,6 +9,7 @@
 //! 6. What a scene can do without, on the same axes: look in `fidelity.rs`.
 //! 7. Where each method is stable: look in `map.rs`.
 //! 8. Error against step size, down to rounding: look in `steps.rs`.
+//! 9. How far methods miss the start of a motion that repeats: look in `returns.rs`.
 
 mod arithmetic;
 mod candidate;
@@ -25,6 +26,7 @@ mod picture;
 mod point;
 mod profile;
 mod reference;
+mod returns;
 mod steps;
 #[cfg(test)]
 mod tests;
@@ -114,7 +116,7 @@ impl WorkPrecision {
         plan: &Plan,
         progress: &mut dyn FnMut(&str) -> ControlFlow<()>,
     ) -> Result<WorkPrecision, Error> {
-        WorkPrecision::against(candidates, plan, |_, reference| reference, progress)
+        WorkPrecision::against(candidates, plan, |first| Reference::find(first, &plan.columns), progress)
     }
 
     /// The same with errors from a motion in double-double, where nothing that [`DoubleOnly`] names is in its way: `model` is the first
@@ -129,20 +131,21 @@ impl WorkPrecision {
         model: &Interpreted,
         progress: &mut dyn FnMut(&str) -> ControlFlow<()>,
     ) -> Result<WorkPrecision, Error> {
-        WorkPrecision::against(candidates, plan, |first, reference| reference.extended(first, Ok(model)), progress)
+        let of = |first: &Candidate| Ok(Reference::find(first, &plan.columns)?.extended(first, Ok(model)));
+        WorkPrecision::against(candidates, plan, of, progress)
     }
 
-    /// The same with errors from what becomes of the first candidate's reference.
+    /// The same with errors from a reference that is made of the first candidate.
     pub(crate) fn against(
         candidates: &[Candidate],
         plan: &Plan,
-        refined: impl Fn(&Candidate, Reference) -> Reference,
+        reference: impl Fn(&Candidate) -> Result<Reference, Error>,
         progress: &mut dyn FnMut(&str) -> ControlFlow<()>,
     ) -> Result<WorkPrecision, Error> {
         let curve =
             |candidate: &Candidate, reference: &Reference| Curve::measure(candidate, reference, plan.repetitions);
         let Measurements { title, reference, curves, refused } =
-            measurements(candidates, &plan.columns, (&refined, &curve), progress)?;
+            measurements(candidates, (&reference, &curve), progress)?;
         Ok(WorkPrecision { title, reference, curves, refused })
     }
 }
@@ -155,17 +158,16 @@ struct Measurements<C> {
     refused: Vec<(String, String)>,
 }
 
-/// What becomes of the first candidate's reference.
-type Refined<'a> = &'a dyn Fn(&Candidate, Reference) -> Reference;
+/// The reference, of the first candidate.
+type Refer<'a> = &'a dyn Fn(&Candidate) -> Result<Reference, Error>;
 
 /// The curve of one candidate, judged by the reference.
 type Measure<'a, C> = &'a dyn Fn(&Candidate, &Reference) -> Result<C, Error>;
 
-/// Measures every candidate from what becomes of the first one's reference; `progress` is told the name of each one, and may break off.
+/// Measures every candidate from a reference of the first one; `progress` is told the name of each one, and may break off.
 fn measurements<C>(
     candidates: &[Candidate],
-    columns: &[String],
-    (refined, measure): (Refined<'_>, Measure<'_, C>),
+    (refer, measure): (Refer<'_>, Measure<'_, C>),
     progress: &mut dyn FnMut(&str) -> ControlFlow<()>,
 ) -> Result<Measurements<C>, Error> {
     let Some(first) = candidates.first() else {
@@ -173,7 +175,7 @@ fn measurements<C>(
     };
     let mut found = Measurements {
         title: first.system.description().name.to_string(),
-        reference: refined(first, Reference::find(first, columns)?),
+        reference: refer(first)?,
         curves: Vec::new(),
         refused: Vec::new(),
     };

@@ -1,5 +1,7 @@
 //! What errors are measured from.
 
+use std::sync::Arc;
+
 use super::{Arithmetic, Candidate, DoubleOnly};
 use crate::error::Error;
 use crate::mechanism::{HIDDEN, Method};
@@ -31,18 +33,20 @@ pub struct Reference {
     /// [q; q'] where the motion starts, and the largest range of anything that has a component's unit.
     pub(super) start: Vec<f64>,
     pub(super) sizes: Vec<f64>,
+    /// At what distances, s, and at which other times runs that are compared report.
+    pub(super) reports: (Option<f64>, Arc<[f64]>),
     /// When an event ends the motion, s.
-    end: Option<f64>,
-    evaluations: u64,
-    steps: u64,
+    pub(super) end: Option<f64>,
+    pub(super) evaluations: u64,
+    pub(super) steps: u64,
 }
 
 /// Errors are looked at so many times at equal distances, and as many in between.
-const TIMES: f64 = 200.0;
+pub(super) const TIMES: f64 = 200.0;
 /// So many digits must hold until the end of a scene.
-const AGREED: f64 = 1e-8;
+pub(super) const AGREED: f64 = 1e-8;
 /// What moves less beside the most that has its unit is measured by so much of that, or by all of it where that is rounding.
-const SMALL: f64 = 1e-6;
+pub(super) const SMALL: f64 = 1e-6;
 const ROUNDED: f64 = 1e-12;
 /// Two of these that agree, in this order.
 const METHODS: [(Method, f64); 4] =
@@ -61,7 +65,7 @@ const MANY_EVALUATIONS: u64 = 200_000;
 
 impl Reference {
     /// The reference of a candidate's scene, for these columns; none: its coordinates.
-    pub(super) fn find(candidate: &Candidate, columns: &[String]) -> Result<Reference, Error> {
+    pub(crate) fn find(candidate: &Candidate, columns: &[String]) -> Result<Reference, Error> {
         let mut system = candidate.system.boxed_clone();
         let mut runs: Vec<Run> = Vec::new();
         let mut failure = None;
@@ -72,14 +76,15 @@ impl Reference {
                 Err(error) => return Err(error),
             }
             if let [first, second] = runs.as_slice() {
-                return Reference::of(first, second, columns);
+                return Reference::of(first, second, (&candidate.settings, columns));
             }
         }
-        let why = failure.map_or_else(String::new, |error| error.to_string());
-        Err(Error::NoReference { why })
+        let why = failure.map_or_else(String::new, |error| format!(": {error}"));
+        Err(Error::NoReference { why: format!("no two methods go through the motion{why}") })
     }
 
-    fn of(first: &Run, second: &Run, columns: &[String]) -> Result<Reference, Error> {
+    fn of(first: &Run, second: &Run, (settings, columns): (&Settings, &[String])) -> Result<Reference, Error> {
+        let Settings { every, instants, .. } = reported(settings);
         let shown = first.names.coordinates.iter().map(|name| name.strip_prefix(HIDDEN).unwrap_or(name).to_owned());
         let columns = if columns.is_empty() { shown.collect() } else { columns.to_vec() };
         let values = columns.iter().map(|name| column(first, name)).collect::<Result<Vec<_>, Error>>()?;
@@ -96,6 +101,7 @@ impl Reference {
             rests: values.iter().map(|values| vec![0.0; values.len()]).collect(),
             start: [start.q, start.v].concat(),
             sizes: ranges(first, &components, &states, 1.0),
+            reports: (every, instants),
             columns,
             times: first.times.clone(),
             values,
@@ -184,15 +190,16 @@ impl Reference {
     pub(super) fn uncertainty(&self) -> f64 {
         CERTAIN
             * match self.arithmetic {
-                Arithmetic::Double { .. } => self.agreement.max(f64::EPSILON),
+                Arithmetic::Double { .. } | Arithmetic::Returns { .. } => self.agreement.max(f64::EPSILON),
                 Arithmetic::DoubleDouble { agreement, .. } => agreement.max(ROUNDING),
             }
     }
 
-    /// What its values were computed by, in short: `double-double` or the method.
+    /// What its values are, in short: `double-double`, the method, or `its start`.
     pub fn by(&self) -> &'static str {
         match self.arithmetic {
             Arithmetic::Double { .. } => self.methods[0].name(),
+            Arithmetic::Returns { .. } => "its start",
             Arithmetic::DoubleDouble { .. } => "double-double",
         }
     }
@@ -205,6 +212,9 @@ impl Reference {
                 "measured from {first}, with which {second} agrees to {:.0e}: {digits} digits (no more by double-double: {why})",
                 self.agreement
             ),
+            Arithmetic::Returns { period, periods } => format!(
+                "measured from the start of the motion, to which it comes back after each of {periods} periods of {period} s: {digits} digits"
+            ),
             Arithmetic::DoubleDouble { agreement, from_double } => format!(
                 "measured from extrapolation in double-double, of which two runs agree to {agreement:.0e}, {first} to \
                  {from_double:.0e}: {digits} digits"
@@ -215,7 +225,8 @@ impl Reference {
     /// The settings of a run that is compared with it.
     pub(super) fn compared(&self, settings: &Settings) -> Settings {
         let until = if self.is_cut { self.times[self.times.len() - 1] } else { settings.until };
-        Settings { until, ..reported(settings) }
+        let (every, instants) = self.reports.clone();
+        Settings { until, every, instants, dense: false, digits: false, ..settings.clone() }
     }
 
     /// The step at which those begin that keep it, s: that of the reference's method at a tolerance of 1e-1 or so.
@@ -245,13 +256,13 @@ fn exact(settings: &Settings, method: Method, tolerance: f64) -> Settings {
     Settings { method, tolerance, step: None, enforcement, stabilisation, max_steps: MOST_STEPS, ..settings }
 }
 
-fn column(run: &Run, name: &str) -> Result<Vec<f64>, Error> {
+pub(super) fn column(run: &Run, name: &str) -> Result<Vec<f64>, Error> {
     run.column(name).ok_or_else(|| Error::unknown("coordinate, rate or output", name, run.shown_names()))
 }
 
 /// How far values are apart, or a coordinate or rate has gone between them, `least` of the largest that has their unit at the least; what
 /// does not move is measured by its size.
-fn ranges(run: &Run, columns: &[String], values: &[Vec<f64>], least: f64) -> Vec<f64> {
+pub(super) fn ranges(run: &Run, columns: &[String], values: &[Vec<f64>], least: f64) -> Vec<f64> {
     let all = run.column_names();
     let swept =
         |name: &String| all.iter().position(|known| known == name).and_then(|place| run.swept.get(place)).copied();

@@ -106,7 +106,7 @@ impl Convergence {
         plan: &Plan,
         progress: &mut dyn FnMut(&str) -> ControlFlow<()>,
     ) -> Result<Convergence, Error> {
-        Convergence::against(candidates, plan, |_, reference| reference, progress)
+        Convergence::against(candidates, |first| Reference::find(first, &plan.columns), progress)
     }
 
     /// The same with errors from a motion in double-double, as [`WorkPrecision::measure_extended`](super::WorkPrecision::measure_extended):
@@ -121,17 +121,17 @@ impl Convergence {
         model: Result<&Interpreted, DoubleOnly>,
         progress: &mut dyn FnMut(&str) -> ControlFlow<()>,
     ) -> Result<Convergence, Error> {
-        Convergence::against(candidates, plan, |first, reference| reference.extended(first, model), progress)
+        let of = |first: &Candidate| Ok(Reference::find(first, &plan.columns)?.extended(first, model));
+        Convergence::against(candidates, of, progress)
     }
 
     fn against(
         candidates: &[Candidate],
-        plan: &Plan,
-        refined: impl Fn(&Candidate, Reference) -> Reference,
+        reference: impl Fn(&Candidate) -> Result<Reference, Error>,
         progress: &mut dyn FnMut(&str) -> ControlFlow<()>,
     ) -> Result<Convergence, Error> {
         let Measurements { title, reference, curves, refused } =
-            measurements(candidates, &plan.columns, (&refined, &StepCurve::measure), progress)?;
+            measurements(candidates, (&reference, &StepCurve::measure), progress)?;
         Ok(Convergence { title, reference, curves, refused })
     }
 

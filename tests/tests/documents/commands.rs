@@ -160,7 +160,7 @@ fn every_command_of_the_page_on_space_prints_what_it_shows() {
 
 #[test]
 fn every_command_of_the_page_on_orbits_prints_what_it_shows() {
-    assert_eq!(commands_print_what_they_show("docs/orbits.md"), 9);
+    assert_eq!(commands_print_what_they_show("docs/orbits.md"), 10);
 }
 
 #[test]

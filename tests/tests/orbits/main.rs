@@ -3,6 +3,7 @@
 mod double_double;
 mod driven;
 mod relaxation;
+mod returns;
 mod touching;
 mod walkers;
 
@@ -89,6 +90,10 @@ fn the_double_pendulum_swings_in_two_families() {
             let member = members.iter().find(|m| m["asked"] == true && (number(&m["value"]) - energy).abs() < 1e-9);
             let member = member.unwrap_or_else(|| panic!("no member at {energy} J"));
             near(number(&member["period"]), number(&point["period"]), 1e-10);
+            // Each begins where it turns round: all speeds are 0 there.
+            for name in ["theta1", "theta2"] {
+                near(number(&member["start"][name]).abs(), number(&point[name]).abs(), 1e-10);
+            }
             // The half map's multipliers squared are those of the whole period.
             let whole = (2.0 * number(&member["multipliers"][0]["angle"])).cos();
             near(whole, number(&point["half_trace"]), 1e-8);
@@ -340,4 +345,29 @@ fn the_end_of_a_run_is_a_return() {
          scene: {start: {x: 0.994, y': -2.00158510637908252}, until: 17.0652165601579626, tolerance: 1e-13}\n",
     );
     holds(&told(&[&file]).unwrap()["period"], 17.065_216_560_158, 1e-6);
+}
+
+/// A bead in a frame that turns: ω⁴ − 15 ω² + 24 = 0, and its coordinates turn round at different times.  A pendulum far from small motions swings
+/// with 4 K/ω0.
+#[test]
+fn a_mode_leads_to_its_own_motion() {
+    let bead = written(
+        "name: Bead\nparameters: {W: 1 rad/s, m: 1 kg, k1: 4 N/m, k2: 9 N/m, n: 3 N/m^3}\ncoordinates: {x: m, y: m}\nframes: {R: {angle: W*t}}\n\
+         bodies: {b: {mass: m, position: \"x*R.x + y*R.y\"}}\npotential_energy: k1*x^2/2 + k2*y^2/2 + n*(x^4 + x^2*y^2)/4\n\
+         scene: {start: {x: 0.5}, until: 8, tolerance: 1e-10}\n",
+    );
+    for (mode, omega) in [("mode 1", (7.5 - 32.25_f64.sqrt()).sqrt()), ("mode 2", (7.5 + 32.25_f64.sqrt()).sqrt())] {
+        let found = told(&[&bead, "--from", mode]).unwrap();
+        near(number(&found["period"]["value"]), std::f64::consts::TAU / omega, 1e-4);
+    }
+    let wide = told(&[&bead, "--from", "mode 1", "--amplitude", "0.3"]).unwrap();
+    near(number(&wide["period"]["value"]), 4.5167, 0.1);
+    let pendulum = told(&["simple_pendulum", "--from", "mode 1", "--amplitude", "3"]).unwrap();
+    let start = number(&pendulum["start"]["theta"]["value"]).abs();
+    let (mut a, mut b) = (1.0, (0.5 * start).cos());
+    for _ in 0..8 {
+        (a, b) = (0.5 * (a + b), (a * b).sqrt());
+    }
+    // The library's has l = 1 m and g = 10 m/s².
+    near(number(&pendulum["period"]["value"]), std::f64::consts::TAU / (10.0_f64.sqrt() * a), 1e-9);
 }

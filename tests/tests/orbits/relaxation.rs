@@ -24,18 +24,11 @@ fn van_der_pols_oscillator_has_its_period_and_a_multiplier_far_below_rounding() 
         assert_eq!(found["known"], serde_json::json!(["time"]));
         assert!(number(&found["returns"]) < 1e-11);
     }
-    // Six starts, far off in place and period: found or refused, never another motion.
-    let mut count = 0;
-    for (x, period) in [("0.5", "4.6"), ("1", "13"), ("1.5", "6"), ("2.5", "9"), ("3", "11"), ("4", "7")] {
-        match told(&[&file, "--set", "mu=2", "--start", &format!("x={x}"), "--period", period]) {
-            Ok(found) => {
-                near(number(&found["period"]["value"]), 7.629_874_48, 1e-8);
-                count += 1;
-            }
-            Err(why) => assert!(why.contains("search") || why.contains("equilibrium"), "{why}"),
-        }
+    // Far off in place and period; some of these guesses lead to rest.
+    for (x, period) in [("0.5", "4.3"), ("1", "13"), ("1.5", "6"), ("2.5", "9"), ("3", "5.7"), ("4", "7")] {
+        let found = told(&[&file, "--set", "mu=2", "--start", &format!("x={x}"), "--period", period]).unwrap();
+        near(number(&found["period"]["value"]), 7.629_874_48, 1e-8);
     }
-    assert!(count >= 4, "{count} of 6");
 }
 
 /// Along a family pieces are cut as its motions ask for.  By Liouville's formula the multiplier is the exponential of ∮ μ (1 − x²) dt, which a
