@@ -40,7 +40,7 @@ fn no_scene_lets_an_invariant_or_the_energy_balance_drift() {
 }
 
 /// Models that something drives all the time.
-const DRIVEN: [&str; 3] = ["engine_map", "mast_in_gusts", "three_link_arm"];
+const DRIVEN: [&str; 4] = ["engine_map", "lugre", "mast_in_gusts", "three_link_arm"];
 
 #[test]
 fn every_model_says_what_it_is_and_has_something_to_draw() {

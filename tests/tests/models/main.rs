@@ -9,6 +9,7 @@ mod momentum;
 mod oscillators;
 mod particles;
 mod pendulums;
+mod remembering;
 mod rolling;
 mod space;
 mod turntables;
