@@ -216,3 +216,23 @@ fn close_solution(what: &str, ours: &[f64], theirs: &[f64]) {
         assert!((x - y).abs() <= 1e-12 * scale || !x.is_finite() && !y.is_finite(), "{what}: {ours:?} {theirs:?}");
     }
 }
+
+/// An input that is given stays as it is: m x'' + c x' + k x = F with m = c = k = 1 and both other ends at rest.
+#[test]
+fn inputs_of_a_module_may_be_given() {
+    let Some(python) = python() else { return };
+    let folder = std::env::temp_dir().join(format!("dalembert-python-inputs-{}", std::process::id()));
+    fs::create_dir_all(&folder).unwrap();
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/base_excitation.yaml");
+    let program = compile_in(path.parent(), &fs::read_to_string(&path).unwrap(), &[]).unwrap();
+    fs::write(folder.join("driven.py"), print::python(&program, "driven")).unwrap();
+    let code = "import sys; sys.path.insert(0, sys.argv[1]); import driven; \
+                print(driven.INPUTS[0], *driven.rate(0.3, [0.1, 0.2], u={driven.INPUTS[0]: 2.5}))";
+    let output = Command::new(python).args(["-c", code, folder.to_str().unwrap()]).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let printed = String::from_utf8(output.stdout).unwrap();
+    let words: Vec<&str> = printed.split_whitespace().collect();
+    let acceleration: f64 = words[2].parse().unwrap();
+    assert!(words[0] == "force" && (acceleration - 2.2).abs() < 1e-14, "{printed}");
+    fs::remove_dir_all(folder).unwrap();
+}
