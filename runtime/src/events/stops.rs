@@ -245,7 +245,8 @@ pub(super) fn between<S: System + ?Sized>(
         sampler.at_time(system, low + part * (high - low), y);
         sampler.value(sampler.function_of(switch))
     });
-    values.into_iter().fold(0.0, |most: f64, value| if value.abs() > most.abs() { value } else { most })
+    // Where it is no number in the middle it has no sign.
+    values.into_iter().reduce(|most, value| if value.abs() > most.abs() { value } else { most }).unwrap_or(f64::NAN)
 }
 
 /// Whether an input jumps or turns between two neighbouring times although no mode changes.

@@ -1,6 +1,6 @@
 //! How many digits of a run's numbers hold.
 
-use std::collections::VecDeque;
+use std::collections::{HashMap, VecDeque};
 
 #[cfg(feature = "cli")]
 use super::State;
@@ -206,17 +206,18 @@ impl Digits {
         self.cancelled = errors.iter().map(|error| motion * error / f64::EPSILON).collect();
     }
 
-    /// The acceleration of a vibration that goes as far and as fast as the coordinate does, of all of its unit, that is accelerated most; 0 where none
-    /// moves.
-    pub(crate) fn usual_acceleration(&self, run: &Run, i: usize) -> f64 {
-        let names = &run.names.coordinates;
-        let unit = run.unit(&names[i]);
-        let alike = (0..names.len()).filter(|k| run.unit(&names[*k]) == unit);
-        let of = |k: usize| {
-            let (q, v) = (self.ranges[k], self.ranges[names.len() + k]);
-            if q > 0.0 && v.is_finite() { v * v / q } else { 0.0 }
-        };
-        alike.map(of).fold(0.0, f64::max)
+    /// For each coordinate the acceleration of a vibration that goes as far and as fast as one of its unit does, of those the largest; 0 where none moves.
+    pub(crate) fn usual_accelerations(&self, run: &Run) -> Vec<f64> {
+        let n = run.names.coordinates.len();
+        let units: Vec<String> = run.names.coordinates.iter().map(|name| run.unit(name)).collect();
+        let mut of_unit: HashMap<&str, f64> = HashMap::new();
+        for (k, unit) in units.iter().enumerate() {
+            let (q, v) = (self.ranges[k], self.ranges[n + k]);
+            let own = if q > 0.0 && v.is_finite() { v * v / q } else { 0.0 };
+            let most = of_unit.entry(unit).or_default();
+            *most = most.max(own);
+        }
+        units.iter().map(|unit| of_unit[unit.as_str()]).collect()
     }
 
     /// Raises bounds to what accelerations that are off by this part of themselves, always alike, make of a motion: it is faster or slower,

@@ -98,8 +98,10 @@ pub(super) fn choose(settings: &Settings, system: &dyn System, y: &[f64]) -> Cho
 /// space slowly, as where it begins to at its limit, turns as fast as it is slow: of such steps any are too many.
 pub(super) fn steps_where_stiff(system: &dyn System, settings: &Settings) -> Option<f64> {
     let turns = settings.method == Method::Auto && settings.where_stiff == WhereStiff::Turns;
-    let most = if slides_in_space(system) { 0.0 } else { MANY_STEPS };
-    (turns && system.len() <= LARGEST).then_some(most)
+    match slides_in_space(system) {
+        true => turns.then_some(0.0),
+        false => (turns && system.len() <= LARGEST).then_some(MANY_STEPS),
+    }
 }
 
 /// What becomes of a run that stability limits at a state: it begins again with a stiff method where the fastest there decays rather than vibrates, which

@@ -209,8 +209,9 @@ fn detuning(system: &mut dyn System, run: &Run, digits: &Digits) -> f64 {
     system.disturb_forces(ROUNDED_INERTIA);
     let known = known && system.accelerations(state(last), &mut wrong).is_ok();
     system.disturb_forces(0.0);
+    let sizes = digits.usual_accelerations(run);
     let part = |i: usize| {
-        let size = digits.usual_acceleration(run, i).max(usual[i].abs());
+        let size = sizes[i].max(usual[i].abs());
         if size > 0.0 { (wrong[i] - usual[i]).abs() / size } else { 0.0 }
     };
     (0..n).filter(|_| known).map(part).fold(0.0, f64::max)
