@@ -146,8 +146,8 @@ const SHORTER: f64 = 0.8;
 const SHORTENED: usize = 60;
 const NEAR_ENOUGH: f64 = 1.2;
 
-/// A state displaced from the equilibrium along a mode, at rest but for gyroscopic forces, so that the coordinate that moves most moves by this amplitude, or by as much
-/// as gives small motions an energy; the period of small motions, the coordinates of the equilibrium, and the coordinate that moves most.
+/// A state displaced from the equilibrium along a mode, at rest but for gyroscopic forces, so that the coordinate that moves most moves by this
+/// amplitude, or by as much as gives small motions an energy; the period of small motions, the coordinates of the equilibrium, and the coordinate that moves most.
 /// With constraints it is displaced along a tangent of theirs, and the run that begins there closes them.
 ///
 /// # Errors
