@@ -182,7 +182,7 @@ coordinates: {phi: rad}
 inputs: {u: A*(1 - cos(w*t))}
 bodies: {pointer: {mass: m, inertia: J, angle: phi, position: \"R*[cos(phi), sin(phi)]\"}}
 springs: {hand: {stretch: phi - u + (phi - u)^3, stiffness: k, on: pointer}}
-scene: {until: 5, tolerance: 1e-8}
+scene: {until: 5, tolerance: 1e-10}
 ";
     let needs = found(pointer, "phi");
     for ingredient in ["bodies.pointer.mass", "bodies.pointer.inertia"] {
