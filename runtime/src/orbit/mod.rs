@@ -9,7 +9,7 @@
 //!    periodic QR algorithm: `multipliers.rs`, `stability.rs`.
 //! 4. From the guess to what is told: `begun.rs`; what is found: `found.rs`, and to more digits: `double_double.rs`; families of such motions: `family.rs`, and the walk along them with
 //!    branches: `walk.rs`; where they change: `thresholds.rs`, and where they answer most: `peaks.rs`; stability over two parameters:
-//!    `stability_map.rs`; pictures: `picture.rs`.
+//!    `stability_map.rs`; how far methods miss its start each time that they should be back: `returns.rs`; pictures: `picture.rs`.
 
 mod acting;
 mod begun;
@@ -24,6 +24,7 @@ mod laps;
 mod multipliers;
 mod peaks;
 mod picture;
+mod returns;
 mod search;
 mod smallest;
 mod stability;

@@ -9,7 +9,6 @@
 //! 6. What a scene can do without, on the same axes: look in `fidelity.rs`.
 //! 7. Where each method is stable: look in `map.rs`.
 //! 8. Error against step size, down to rounding: look in `steps.rs`.
-//! 9. How far methods miss the start of a motion that repeats: look in `returns.rs`.
 
 mod arithmetic;
 mod candidate;
@@ -25,8 +24,7 @@ mod map;
 mod picture;
 mod point;
 mod profile;
-mod reference;
-mod returns;
+pub(crate) mod reference;
 mod steps;
 #[cfg(test)]
 mod tests;

@@ -25,28 +25,28 @@ pub struct Reference {
     pub is_cut: bool,
     /// What is compared.
     pub columns: Vec<String>,
-    pub(super) times: Vec<f64>,
+    pub(crate) times: Vec<f64>,
     /// One list for each column, what these numbers leave out, and what errors of it are measured by.
-    pub(super) values: Vec<Vec<f64>>,
-    pub(super) rests: Vec<Vec<f64>>,
-    pub(super) ranges: Vec<f64>,
+    pub(crate) values: Vec<Vec<f64>>,
+    pub(crate) rests: Vec<Vec<f64>>,
+    pub(crate) ranges: Vec<f64>,
     /// [q; q'] where the motion starts, and the largest range of anything that has a component's unit.
-    pub(super) start: Vec<f64>,
-    pub(super) sizes: Vec<f64>,
+    pub(crate) start: Vec<f64>,
+    pub(crate) sizes: Vec<f64>,
     /// At what distances, s, and at which other times runs that are compared report.
-    pub(super) reports: (Option<f64>, Arc<[f64]>),
+    pub(crate) reports: (Option<f64>, Arc<[f64]>),
     /// When an event ends the motion, s.
-    pub(super) end: Option<f64>,
-    pub(super) evaluations: u64,
-    pub(super) steps: u64,
+    pub(crate) end: Option<f64>,
+    pub(crate) evaluations: u64,
+    pub(crate) steps: u64,
 }
 
 /// Errors are looked at so many times at equal distances, and as many in between.
-pub(super) const TIMES: f64 = 200.0;
+pub(crate) const TIMES: f64 = 200.0;
 /// So many digits must hold until the end of a scene.
-pub(super) const AGREED: f64 = 1e-8;
+pub(crate) const AGREED: f64 = 1e-8;
 /// What moves less beside the most that has its unit is measured by so much of that, or by all of it where that is rounding.
-pub(super) const SMALL: f64 = 1e-6;
+pub(crate) const SMALL: f64 = 1e-6;
 const ROUNDED: f64 = 1e-12;
 /// Two of these that agree, in this order.
 const METHODS: [(Method, f64); 4] =
@@ -256,13 +256,13 @@ fn exact(settings: &Settings, method: Method, tolerance: f64) -> Settings {
     Settings { method, tolerance, step: None, enforcement, stabilisation, max_steps: MOST_STEPS, ..settings }
 }
 
-pub(super) fn column(run: &Run, name: &str) -> Result<Vec<f64>, Error> {
+pub(crate) fn column(run: &Run, name: &str) -> Result<Vec<f64>, Error> {
     run.column(name).ok_or_else(|| Error::unknown("coordinate, rate or output", name, run.shown_names()))
 }
 
 /// How far values are apart, or a coordinate or rate has gone between them, `least` of the largest that has their unit at the least; what
 /// does not move is measured by its size.
-pub(super) fn ranges(run: &Run, columns: &[String], values: &[Vec<f64>], least: f64) -> Vec<f64> {
+pub(crate) fn ranges(run: &Run, columns: &[String], values: &[Vec<f64>], least: f64) -> Vec<f64> {
     let all = run.column_names();
     let swept =
         |name: &String| all.iter().position(|known| known == name).and_then(|place| run.swept.get(place)).copied();

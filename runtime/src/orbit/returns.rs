@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::reference::{AGREED, SMALL, TIMES, column, ranges};
-use super::{Arithmetic, Candidate, Plan, Reference, WorkPrecision};
+use super::Orbit;
 use crate::error::Error;
 use crate::mechanism::System;
-use crate::orbit::Orbit;
+use crate::precision::reference::{AGREED, SMALL, TIMES, column, ranges};
+use crate::precision::{Arithmetic, Candidate, Plan, Reference, WorkPrecision};
 use crate::simulate::Settings;
 use crate::vary::leg;
 
