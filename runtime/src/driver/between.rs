@@ -36,8 +36,12 @@ impl Defect {
     }
 
     fn place(&mut self) -> f64 {
-        let within = if self.draws.between(0.0, 1.0) < 0.8 { (0.36, 0.58) } else { (0.05, 0.95) };
-        self.draws.between(within.0, within.1)
+        if self.draws.between(0.0, 1.0) < 0.8 { self.middle() } else { self.draws.between(0.05, 0.95) }
+    }
+
+    /// A point where the dense output of no method for stiff motions is exact whatever it interpolates.
+    fn middle(&mut self) -> f64 {
+        self.draws.between(0.36, 0.58)
     }
 }
 
@@ -97,10 +101,8 @@ impl Integration {
                 self.meets(system, step, locator)?;
                 return Ok((step, true));
             }
-            if self.defect_exceeds(system, step)? {
+            if let Some(shorter) = self.too_long_to_read(system, step)? {
                 defective.push(step.h);
-                most = 0.5 * step.h;
-            } else if let Some(shorter) = self.passes_transient(system, step) {
                 most = shorter;
             } else if has_no_feature {
                 return Ok((step, true));
@@ -175,77 +177,91 @@ impl Integration {
         locator.explain(system, cause, (now, self.stepper.start().y), ahead)
     }
 
-    /// True where the dense output of the step that was tried is far from fulfilling the equations.
-    fn defect_exceeds(&mut self, system: &dyn System, step: Step) -> Result<bool, Box<Cause>> {
+    /// How long a step is to be instead, s, the dense output of which does not follow the equations.
+    fn too_long_to_read(&mut self, system: &dyn System, step: Step) -> Result<Option<f64>, Box<Cause>> {
+        if self.stepper.damps() {
+            return Ok(self.interpolates_worse(system, step));
+        }
         // Where stability limits the step, dense output is poor and says nothing.
         if self.step_times_rate > self.stiffness.least() || step.h <= self.defect.unmended {
-            return Ok(false);
+            return Ok(None);
         }
         // An evaluation more is dear to a method whose steps have few: its long steps only.
         let short = step.h < 0.5 * self.defect.longest;
         self.defect.longest = self.defect.longest.max(step.h);
         if short && self.stepper.dense_is_free() {
-            return Ok(false);
+            return Ok(None);
         }
         let theta = self.defect.place();
+        let defect = self.defect(system, step, theta);
+        let mut size = self.in_units(step, &defect);
+        if size > Defect::MOST {
+            self.forgive_noise(system, step, &defect, Defect::MOST);
+            size = self.in_units(step, &defect);
+        }
+        self.defect.slope = defect;
+        // A state that has no accelerations is for the error test to judge, in a shorter step.
+        Ok((size.is_nan() || size > Defect::MOST).then_some(0.5 * step.h))
+    }
+
+    /// How long a step of an implicit method is to be instead, s, the dense output of which is off by more than the tolerance.
+    ///
+    /// Where equations are stiff its ends follow them however long it is, and tell nothing of what is between them: of what follows a function of
+    /// time, or of a transient that the step passes over.  The next step is no longer than this one may be.
+    fn interpolates_worse(&mut self, system: &dyn System, step: Step) -> Option<f64> {
+        if step.h <= self.defect.unmended {
+            return None;
+        }
+        let theta = self.defect.middle();
+        let defect = self.defect(system, step, theta);
+        let mut size = self.by_change(step, &defect);
+        if size > 1.0 {
+            self.forgive_noise(system, step, &defect, 1.0);
+            size = self.by_change(step, &defect);
+        }
+        self.defect.slope = defect;
+        if size.is_nan() {
+            return Some(0.5 * step.h);
+        }
+        let good = step.h * self.control.between_ends(size);
+        self.h = self.h.min(good);
+        (size > 1.0).then_some(good)
+    }
+
+    /// h times the defect of the dense output of the step that was tried at θ, as what it does to a state; NaN where there is none.
+    fn defect(&mut self, system: &dyn System, step: Step, theta: f64) -> Vec<f64> {
         let (mut y, mut slope, mut rate) = (
             std::mem::take(&mut self.defect.y),
             std::mem::take(&mut self.defect.slope),
             std::mem::take(&mut self.defect.rate),
         );
         self.segment(step).evaluate_with_slope(theta, &mut y, &mut slope);
-        let evaluated = self.stepper.evaluate(system, self.clock.now() + theta * step.h, &y, &mut rate);
-        for (slope, rate) in slope.iter_mut().zip(&rate) {
-            *slope -= step.h * rate;
+        match self.stepper.evaluate(system, self.clock.now() + theta * step.h, &y, &mut rate) {
+            Ok(()) => slope.iter_mut().zip(&rate).for_each(|(slope, rate)| *slope -= step.h * rate),
+            Err(_) => slope.fill(f64::NAN),
         }
-        self.stepper.damp(&mut slope);
-        let mut size = self.in_units(step, &slope);
-        if evaluated.is_ok() && size > Defect::MOST {
-            self.forgive_noise(system, step, &slope);
-            size = self.in_units(step, &slope);
+        if let Some(gamma) = self.stepper.damp(&mut slope) {
+            slope.iter_mut().for_each(|slope| *slope *= gamma);
         }
-        (self.defect.y, self.defect.slope, self.defect.rate) = (y, slope, rate);
-        // A state that has no accelerations is for the error test to judge, in a shorter step.
-        Ok(evaluated.is_err() || size.is_nan() || size > Defect::MOST)
+        (self.defect.y, self.defect.rate) = (y, rate);
+        slope
     }
 
-    /// How long a step is to be, s, that passes over a transient at its start: of what decays at once its end tells where it goes, but its dense output
-    /// swings on the way there. `None` where what the rate at the start would do differs from dense output by nothing that lasts.
-    fn passes_transient(&mut self, system: &dyn System, step: Step) -> Option<f64> {
-        if !self.stepper.damps() {
-            return None;
-        }
-        let (mut y, mut slope) = (std::mem::take(&mut self.defect.y), std::mem::take(&mut self.defect.slope));
-        self.segment(step).evaluate_with_slope(0.0, &mut y, &mut slope);
-        let (start, end) = (self.stepper.start(), self.stepper.end());
-        slope.iter_mut().zip(start.rate).for_each(|(slope, rate)| *slope -= step.h * rate);
-        self.stepper.damp(&mut slope);
-        let part = |i: usize| (end.y[i] - start.y[i]).abs() / (step.h * start.rate[i]).abs();
-        // What the rate at the start does at once is gone through in this part of the step, by the fastest of all.
-        let parts = (0..slope.len()).map(part).filter(|part| *part > 0.0 && *part < 0.5);
-        let shorter = step.h * parts.fold(0.5, f64::min);
-        let exceeds = |integration: &Self| match &integration.policy {
-            StepPolicy::Fixed(_) => false,
-            StepPolicy::Adaptive { tolerance, .. } => (0..slope.len() / 2).any(|i| {
-                let n = slope.len() / 2;
-                let (start, end) = (integration.stepper.start(), integration.stepper.end());
-                // Units by the rate at the start would be those of the transient.
-                let units = tolerance.units_by_change(i, step.h, [i, n + i].map(|k| end.y[k] - start.y[k]));
-                slope[i].abs() > Defect::MOST * units[0] || slope[n + i].abs() > Defect::MOST * units[1]
-            }),
-        };
-        let exceeds = exceeds(self) && {
-            self.forgive_noise(system, step, &slope);
-            exceeds(self)
-        };
-        (self.defect.y, self.defect.slope) = (y, slope);
-        let resolved = RESOLVED * f64::EPSILON * self.clock.now().abs();
-        exceeds.then_some(shorter).filter(|shorter| *shorter > resolved)
+    /// The largest of errors [q; q'] of the step that was tried, in units of the tolerance: stiff accelerations at its start tell nothing of them.
+    fn by_change(&self, step: Step, errors: &[f64]) -> f64 {
+        let StepPolicy::Adaptive { tolerance, .. } = &self.policy else { return 0.0 };
+        let (start, end, n) = (self.stepper.start().y, self.stepper.end().y, errors.len() / 2);
+        let sizes = (0..n).flat_map(|i| {
+            let [place, speed] = tolerance.units_by_change(i, step.h, [i, n + i].map(|k| end[k] - start[k]));
+            [errors[i] / place, errors[n + i] / speed]
+        });
+        sizes.map(f64::abs).fold(0.0, |most, size| if size > most || size.is_nan() { size } else { most })
     }
 
-    /// Lets the tolerance know which of these errors [q; q'], too large as they are, are rounding.
-    fn forgive_noise(&mut self, system: &dyn System, step: Step, errors: &[f64]) {
-        let noise = self.noise(system);
+    /// Lets the tolerance know which of these errors [q; q'], more than `most` times its units, are rounding.
+    fn forgive_noise(&mut self, system: &dyn System, step: Step, errors: &[f64], most: f64) {
+        let mut noise = self.noise(system);
+        let known = self.damp_noise(&mut noise, step.h);
         let n = noise.len();
         let start = self.stepper.start();
         let (from, ends) = (start.rate, (start.y, self.stepper.end().y));
@@ -253,8 +269,8 @@ impl Integration {
         for (i, noise) in noise.into_iter().enumerate() {
             let [place, speed] = tolerance.units(i, step.h, ends, from);
             let own = [errors[i].abs(), errors[n + i].abs()];
-            if own[0] > Defect::MOST * place || own[1] > Defect::MOST * speed {
-                tolerance.noise(i, noise, step.h, own);
+            if own[0] > most * place || own[1] > most * speed {
+                tolerance.noise(i, noise, (step.h, known), own);
             }
         }
     }

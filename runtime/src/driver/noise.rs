@@ -94,10 +94,11 @@ impl Integration {
         if suspects.is_empty() {
             return;
         }
-        let noise = self.noise_of_step(system, step);
+        let mut noise = self.noise_of_step(system, step);
+        let known = self.damp_noise(&mut noise, step.h);
         let StepPolicy::Adaptive { tolerance, .. } = &mut self.policy else { return };
         for i in suspects {
-            tolerance.noise(i, noise[i], step.h, of(self.stepper.errors(), i));
+            tolerance.noise(i, noise[i], (step.h, known), of(self.stepper.errors(), i));
         }
     }
 
@@ -122,6 +123,20 @@ impl Integration {
             still.into_iter().for_each(|i| noise[i] = noise[i].max(later[i]));
         }
         noise
+    }
+
+    /// Where equations are stiff, noise of accelerations moves the state by less than in a step without forces: overwrites it with what would move a step
+    /// of h as far without.  Returns the longest step for which that is known, s.
+    pub(super) fn damp_noise(&self, noise: &mut [f64], h: f64) -> f64 {
+        let n = noise.len();
+        let mut change: Vec<f64> = (0..2 * n).map(|k| if k < n { 0.0 } else { h * noise[k - n] }).collect();
+        if self.stepper.damp(&mut change).is_none() {
+            return f64::INFINITY;
+        }
+        for (i, noise) in noise.iter_mut().enumerate() {
+            *noise = (change[i] / (h * h)).abs().max((change[n + i] / h).abs()).min(*noise);
+        }
+        h
     }
 
     /// As [`Integration::noise_at`], at the present state.

@@ -201,7 +201,7 @@ fn note_rounding(
     let Some(noise) = by_terms(system, at, until) else { return };
     for tolerance in tolerances {
         for (i, noise) in noise.iter().enumerate() {
-            tolerance.noise(i, *noise, h, [errors[i].abs(), errors[n + i].abs()]);
+            tolerance.noise(i, *noise, (h, f64::INFINITY), [errors[i].abs(), errors[n + i].abs()]);
         }
         tolerance.spread_noise(errors, h);
     }

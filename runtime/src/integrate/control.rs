@@ -77,6 +77,11 @@ impl StepControl {
         h / factor
     }
 
+    /// The part of a step whose dense output would be good to the tolerance, beside which its error is `size`.
+    pub fn between_ends(&self, size: f64) -> f64 {
+        self.constants.safety * size.powf(-BETWEEN_ENDS).max(self.constants.shrink)
+    }
+
     /// The error below which a step may be followed by a longer one.
     pub fn growing(&self) -> f64 {
         self.growing
@@ -109,6 +114,9 @@ impl StepControl {
 pub(crate) fn first_step(control: &Control, tolerance: f64, way: f64) -> f64 {
     FIRST * (tolerance / USUAL).powf(control.exponent) * way
 }
+
+/// 1/(q + 1), q = 3 the least order of the dense output of methods for stiff motions.
+const BETWEEN_ENDS: f64 = 0.25;
 
 /// How many radians of a vibration a step may be long at a tolerance, about.
 pub(crate) fn radians(control: &Control, tolerance: f64) -> f64 {

@@ -122,9 +122,11 @@ pub(crate) trait OneStep: Send {
     /// after the rate at the end.
     fn stiffness(&self, h: f64, least: f64) -> f64;
 
-    /// Overwrites a defect of the dense output, [q; q'], with what it does to a state: where equations are stiff, less.
-    fn damp(&self, defect: &mut [f64]) {
+    /// Overwrites h times a defect δ of the rate, [q; q'], with (1 − γhJ)⁻¹ hδ, and returns γ: γ times that is γhδ where nothing is stiff, and −J⁻¹δ,
+    /// what the defect does to a state that follows, where everything is.  `None`, and nothing done, by a method that solves no such equations.
+    fn damp(&self, defect: &mut [f64]) -> Option<f64> {
         let _ = defect;
+        None
     }
 
     /// Whether [`OneStep::damp`] does anything.

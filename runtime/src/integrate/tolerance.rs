@@ -37,6 +37,8 @@ pub(crate) struct Tolerance {
     raised: Vec<f64>,
     /// ν, 0 where nothing made it worth a measurement.
     noise: Vec<f64>,
+    /// The longest step, s, that ν is known for: what it does in a longer one counts as what it does in that.
+    noise_known: Vec<f64>,
     /// Errors over the step in which a component sets off from rest, where no shorter one has smaller ones beside its change.
     start_up_errors: Vec<f64>,
     /// What rounding of constraints that hardly differ leaves open, of q and of q'; 0 elsewhere.
@@ -90,6 +92,7 @@ impl Tolerance {
             widest: widest(mechanism),
             raised: vec![0.0; n],
             noise: vec![0.0; n],
+            noise_known: vec![0.0; n],
             floors: vec![0.0; start.len()],
             start_up_errors: vec![0.0; start.len()],
             constraint_round_off: vec![0.0; start.len()],
@@ -126,8 +129,9 @@ impl Tolerance {
             return usual;
         }
         let i = if k < self.n { k } else { k - self.n };
-        let noise = h.abs() * if self.stays(i) { STAYS * self.noise[i] } else { self.noise[i] };
-        let noise = if k < self.n { h.abs() * noise } else { noise };
+        let h = self.noise_known[i].min(h.abs());
+        let noise = h * if self.stays(i) { STAYS * self.noise[i] } else { self.noise[i] };
+        let noise = if k < self.n { h * noise } else { noise };
         larger(usual, larger(noise, self.constraint_round_off[k]))
     }
 
@@ -260,7 +264,7 @@ impl Tolerance {
     /// Whether rounding alone may be what moves coordinate i in a step of h: it has stayed where it is, or its speed is known better than what
     /// noise makes of it.
     pub fn may_be_noise(&self, i: usize, h: f64) -> bool {
-        self.stays(i) || h.abs() * self.noise[i] > self.floors[self.n + i]
+        self.stays(i) || self.noise_known[i].min(h.abs()) * self.noise[i] > self.floors[self.n + i]
     }
 
     /// True if nothing has moved coordinate i until now, and a step of h with too large an error does.
@@ -272,8 +276,9 @@ impl Tolerance {
 
     /// Whether the noise that is known, twice [`EXPLAINED`] times the measured one, explains these errors of coordinate i over a step of h.
     pub fn explains(&self, i: usize, h: f64, errors: [f64; 2]) -> bool {
-        let explained = 0.5 * h.abs() * self.noise[i];
-        errors[1] <= explained && errors[0] <= (h.abs() * explained).max(self.raised[i])
+        let h = self.noise_known[i].min(h.abs());
+        let explained = 0.5 * h * self.noise[i];
+        errors[1] <= explained && errors[0] <= (h * explained).max(self.raised[i])
     }
 
     /// Whether a speed and an acceleration move coordinate i in a step of h by more than rounding and this noise of its acceleration.
@@ -291,14 +296,19 @@ impl Tolerance {
     }
 
     /// Takes note of the noise of an acceleration: what it changes by when every coordinate moves by
-    /// [`Tolerance::perturbation`].  Errors over a step of h that are no larger than it explains count as rounding from now on.
-    pub fn noise(&mut self, i: usize, change: f64, h: f64, errors: [f64; 2]) {
+    /// [`Tolerance::perturbation`].  Errors over a step of h that are no larger than it explains count as rounding from now on, in steps up to
+    /// `known` seconds.
+    pub fn noise(&mut self, i: usize, change: f64, (h, known): (f64, f64), errors: [f64; 2]) {
         let floor = ROUNDING * self.largest_alike(i);
         let explains = h.abs() * change;
         if errors[1] > EXPLAINED * explains || errors[0] > (EXPLAINED * h.abs() * explains).max(floor) {
             return;
         }
-        self.noise[i] = self.noise[i].max(2.0 * EXPLAINED * change);
+        let noise = 2.0 * EXPLAINED * change;
+        let does = |noise: f64, known: f64| if known.is_finite() { known * noise } else { noise };
+        if does(noise, known) > does(self.noise[i], self.noise_known[i]) {
+            (self.noise[i], self.noise_known[i]) = (noise, known);
+        }
         self.clear_up();
         // That of another one's place, or of its own.
         self.raised[i] = self.raised[i].max(floor);
@@ -322,11 +332,13 @@ impl Tolerance {
     /// larger than the noise of any acceleration explains, have that noise.
     pub fn spread_noise(&mut self, errors: &[f64], h: f64) {
         let noise = self.noise.iter().fold(0.0_f64, |most, noise| most.max(*noise));
-        let explained = 0.5 * h.abs() * noise;
+        let known = self.noise_known.iter().fold(0.0_f64, |most, known| most.max(*known));
+        let h = known.min(h.abs());
+        let explained = 0.5 * h * noise;
         for i in 0..self.n {
             let rests = self.low[i] == self.high[i] && self.low[self.n + i] == self.high[self.n + i];
-            if rests && errors[i].abs() <= h.abs() * explained && errors[self.n + i].abs() <= explained {
-                self.noise[i] = noise;
+            if rests && errors[i].abs() <= h * explained && errors[self.n + i].abs() <= explained {
+                (self.noise[i], self.noise_known[i]) = (noise, known);
             }
         }
         self.clear_up();

@@ -168,10 +168,10 @@ impl OneStep for Collocation {
         0.0
     }
 
-    fn damp(&self, defect: &mut [f64]) {
-        if let Some((mu, ..)) = self.tableau.real {
-            self.newton.real.solve_pair(&self.newton.slopes, mu * self.newton.step(), defect);
-        }
+    fn damp(&self, defect: &mut [f64]) -> Option<f64> {
+        let (gamma, ..) = self.tableau.real?;
+        self.newton.real.solve_pair(&self.newton.slopes, gamma * self.newton.step(), defect);
+        Some(gamma)
     }
 
     fn damps(&self) -> bool {

@@ -169,8 +169,10 @@ impl OneStep for Rosenbrock {
         0.0
     }
 
-    fn damp(&self, defect: &mut [f64]) {
-        self.pencil.solve_pair(&self.slopes, self.tableau.gamma * self.factored, defect);
+    fn damp(&self, defect: &mut [f64]) -> Option<f64> {
+        let gamma = self.tableau.gamma;
+        self.pencil.solve_pair(&self.slopes, gamma * self.factored, defect);
+        Some(gamma)
     }
 
     fn damps(&self) -> bool {

@@ -120,6 +120,31 @@ fn followers_cost_hardly_more_the_stiffer_they_are_a5() {
 }
 
 #[test]
+fn what_follows_a_function_of_time_is_known_between_the_ends_of_steps() {
+    // x'' = −λ²(x − cos t) − 2λ x': once the start is forgotten the motion is Re λ²/(λ² − 1 + 2iλ) e^{it}, and steps might be of any length.
+    let lambda = 1e4;
+    let known = Complex::new(lambda * lambda, 0.0) / Complex::new(lambda * lambda - 1.0, 2.0 * lambda);
+    for method in [Method::Rodas5P, Method::Radau5] {
+        for tolerance in [1e-3, 1e-6, 1e-9, 1e-12] {
+            let mut toy = Toy::new(&["x"], (&[1.0], &[0.0]), 10.0, move |t, q, v, _, a| {
+                a[0] = -lambda * lambda * (q[0] - t.cos()) - 2.0 * lambda * v[0];
+            });
+            toy.jacobian = Arc::new(move |_, _, _, dq, dv| (dq[0], dv[0]) = (lambda * lambda, 2.0 * lambda));
+            toy.description.structure.time_dependent = true;
+            toy.description.structure.conservative = false;
+            let run = run(toy, |settings| {
+                (settings.method, settings.tolerance, settings.watch) = (method, tolerance, true);
+                settings.every = Some(0.013);
+            });
+            let errors = run.times().iter().zip(run.states()).filter(|(t, _)| **t > 0.1);
+            let errors = errors.map(|(t, state)| (state["x"] - (known * Complex::cis(*t)).re).abs());
+            let largest = errors.fold(0.0, f64::max);
+            assert!(largest < 30.0 * tolerance, "{method} {tolerance}: {largest}");
+        }
+    }
+}
+
+#[test]
 fn what_moves_by_a_high_power_of_time_at_first_stops_no_start() {
     // Let go level: x moves only once y has, through a spring of 10⁶.
     for method in [Method::Radau5, Method::Rodas5P] {
