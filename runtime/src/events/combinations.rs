@@ -1,10 +1,11 @@
 //! Combinations of sides of the switches that are on their surfaces, and where their arguments go under each.
 
 use super::certify::Sample;
-use super::modes::{Known, STANDS, Trial, at_rest, mode, side_of};
+use super::modes::{Known, STANDS, Trial, at_rest, mode, no_number, side_of};
 use super::sample::Sampler;
 use super::sides::in_time;
 use super::stops::between;
+use crate::cause::Cause;
 use crate::mechanism::System;
 
 /// An argument that would vanish within this part of a step vanishes.
@@ -37,13 +38,16 @@ pub(super) struct ModesBefore<'a> {
 
 /// The combinations of sides that a state allows, the present one first: a switch off its surface has the sign of its argument under the
 /// modes of earlier ones.
+///
+/// # Errors
+/// [`Cause::NonFinite`] names one whose argument, of time alone, is no number.
 pub(super) fn combinations<S: System + ?Sized>(
     system: &mut S,
     sampler: &mut Sampler,
     (t, y): (f64, &[f64]),
     known: &Known<'_>,
     before: &ModesBefore<'_>,
-) -> Vec<Combination> {
+) -> Result<Vec<Combination>, Box<Cause>> {
     let count = before.modes.len();
     // Those of time first: an input may contain some, and switches of the state the input.
     let of_time = |switch: &usize| system.description().switches[*switch].time_only;
@@ -71,7 +75,10 @@ pub(super) fn combinations<S: System + ?Sized>(
                     // It leaves with a power of time: it has one sign until the next stop.
                     side = between(system, sampler, switch, (t, known.next_stop), y);
                 }
-                if side != 0.0 && !side.is_nan() {
+                if side.is_nan() {
+                    return Err(no_number(system, switch, t).into());
+                }
+                if side != 0.0 {
                     one.modes[switch] = mode(system, switch, side);
                 }
                 continue;
@@ -82,7 +89,10 @@ pub(super) fn combinations<S: System + ?Sized>(
                 || value.abs() <= NOW * known.step * rate.abs()
                 || before.slid.contains(&switch) && !has_jumped(system, sampler, (t, y), (switch, value), known.step);
             if !on {
-                one.modes[switch] = mode(system, switch, value);
+                // Under other modes it may be a number.
+                if !value.is_nan() {
+                    one.modes[switch] = mode(system, switch, value);
+                }
                 continue;
             }
             one.on[switch] = true;
@@ -96,7 +106,7 @@ pub(super) fn combinations<S: System + ?Sized>(
         }
         combinations.push(one);
     }
-    combinations
+    Ok(combinations)
 }
 
 /// Whether what slid in its surface was taken off it at once, as by an impact or by a value that was set: its argument is more than rounding, and

@@ -73,7 +73,31 @@ const MOMENT: f64 = 1e-4;
 ///
 /// # Errors
 /// [`Cause::Chattering`] names a switch to which both sides push back, and which does not slide: its sides do not change its rate.
+/// [`Cause::NonFinite`] names one whose argument is no number under the modes that were chosen.
 pub(crate) fn choose<S: System + ?Sized>(
+    system: &mut S,
+    sampler: &mut Sampler,
+    at: (f64, &[f64]),
+    known: &Known<'_>,
+    trial: Trial<'_, S>,
+) -> Result<Chosen, Box<Cause>> {
+    let chosen = combination(system, sampler, at, known, trial)?;
+    sampler.at_state(system, at.0, at.1);
+    let undefined = |k: &usize| !known.held[*k] && sampler.value(sampler.function_of(*k)).is_nan();
+    match (0..chosen.on.len()).find(undefined) {
+        Some(switch) => Err(no_number(system, switch, at.0).into()),
+        None => Ok(chosen),
+    }
+}
+
+/// A switch whose argument is no number has neither side.
+pub(crate) fn no_number<S: System + ?Sized>(system: &S, switch: usize, t: f64) -> Cause {
+    Cause::NonFinite {
+        what: format!("`{}` at t = {t} s, the sign of which the equations ask for,", text(system, switch)),
+    }
+}
+
+fn combination<S: System + ?Sized>(
     system: &mut S,
     sampler: &mut Sampler,
     (t, y): (f64, &[f64]),
@@ -86,7 +110,7 @@ pub(crate) fn choose<S: System + ?Sized>(
     system.set_modes(&before);
     let rested: Vec<bool> = (0..before.len()).map(|switch| side(system, switch) == 0.0).collect();
     let combinations =
-        combinations(system, sampler, (t, y), known, &ModesBefore { modes: &before, slid: &slid, leaving: &leaving });
+        combinations(system, sampler, (t, y), known, &ModesBefore { modes: &before, slid: &slid, leaving: &leaving })?;
     let by_rates = all_directions(system, sampler, (t, y), (&combinations, Looks::WhereRatesVanish), trial);
     let mut undecided = undecided(system, &combinations, &by_rates);
     let mut found = agreed(system, &combinations, &by_rates);

@@ -257,6 +257,12 @@ impl Scanner {
         values.into_iter().max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0)
     }
 
+    /// Whether a function that is looked at is no number at the start, in the middle or at the end of the step scanned last.
+    pub fn is_undefined(&self, function: usize) -> bool {
+        let samples = [&self.start, &self.middle, &self.end];
+        self.awake(function) && samples.iter().any(|samples| samples[function].value.is_nan())
+    }
+
     /// Finds what one function does.
     fn function<S: System + ?Sized>(
         &mut self,

@@ -272,3 +272,22 @@ fn signs_of_functions_of_time_are_those_between_their_zeros() {
         assert!((found - expected).abs() < 1e-9, "{force}: {found} {expected}");
     }
 }
+
+/// Neither side is that of what is no number, whether it is none at the start or becomes none on the way.
+#[test]
+fn what_is_no_number_has_no_sign() {
+    for (force, x, names) in [
+        ("sign(sqrt(t - 2))", 0.0, "`sqrt(t - 2)` at t = 0 s"),
+        ("sign(sqrt(2 - t))", 0.0, "`sqrt(2 - t)` at t = 2"),
+        ("sign(sqrt(x - 2))", 0.0, "`sqrt(x - 2)` at t = 0 s"),
+        ("-sign(sqrt(x - 2))", 3.0, "`sqrt(x - 2)` at t = 1.4142135"),
+        ("-step(ln(x/2))", 2.5, "at t = 3.00000"),
+    ] {
+        let text = format!(
+            "name: Pushed\ncoordinates: {{x: 1}}\nkinetic_energy: x'^2/2\ngeneralized_forces: {{x: \"{force}\"}}\nscene: {{start: {{x: {x}}}, until: 5}}\n"
+        );
+        let Err(error) = case(&text).try_run() else { panic!("{force}: no error") };
+        let said = error.to_string();
+        assert!(said.contains(names) && said.contains("is not finite"), "{force}: {said}");
+    }
+}

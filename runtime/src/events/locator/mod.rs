@@ -268,7 +268,7 @@ impl EventLocator {
     /// Looks for the first thing within a step that ends it.
     ///
     /// # Errors
-    /// A function that oscillates too fast.
+    /// A function that oscillates too fast; an argument that is no number before anything ends the step.
     pub fn scan<S: System + ?Sized>(
         &mut self,
         system: &S,
@@ -302,6 +302,12 @@ impl EventLocator {
         });
         let first = first.copied();
         self.scanner.crossings = crossings;
+        let undefined = |switch: &usize| self.scanner.is_undefined(self.sampler.function_of(*switch));
+        if let (None, Some(switch)) = (first, (0..self.surface.len()).find(undefined)) {
+            let function = self.sampler.function_of(switch);
+            let t = segment.t + segment.h * first_undefined(&mut self.sampler, system, segment, function);
+            return Err(modes::no_number(system, switch, t).into());
+        }
         Ok(first.map(|crossing| match self.sampler.switch(crossing.function) {
             Some(switch) if crossing.theta == 0.0 => {
                 segment.evaluate(0.0, &mut self.y);
@@ -487,4 +493,23 @@ fn counts(direction: Direction, rising: bool) -> bool {
         Direction::Rising => rising,
         Direction::Falling => !rising,
     }
+}
+
+/// Where a function that is no number somewhere in a step ceases to be one, 0 to 1.
+fn first_undefined<S: System + ?Sized>(
+    sampler: &mut Sampler,
+    system: &S,
+    segment: &Segment<'_>,
+    function: usize,
+) -> f64 {
+    let mut is_undefined = |theta: f64| sampler.sample(system, segment, function, theta).0.is_nan();
+    if is_undefined(0.0) {
+        return 0.0;
+    }
+    let (mut known, mut undefined) = (0.0, if is_undefined(0.5) { 0.5 } else { 1.0 });
+    while undefined - known > f64::EPSILON {
+        let middle = 0.5 * (known + undefined);
+        if is_undefined(middle) { undefined = middle } else { known = middle }
+    }
+    undefined
 }
