@@ -39,6 +39,9 @@ const MOVED: f64 = 20.0;
 const RESIDUE: f64 = 1e-6;
 /// More growth than this of a difference at the start is an instability.
 const GROWS: f64 = 1e4;
+/// Growth by 1/ε lets errors of the tolerance ε take all digits.  What is so many times more is no growth of the moved start: other steps were taken from
+/// it.
+const BY_STEPS: f64 = 100.0;
 /// Where errors may be larger than this part of a range, two runs may agree by chance: a third one is asked.
 const DOUBTFUL: f64 = 1e-6;
 /// Where so many of the steps were rejected two runs may agree by chance too.
@@ -494,7 +497,8 @@ fn reason(
     let (here, there) = (&run.rows[2 * n * row..][..2 * n], &other.rows[2 * n * row..][..2 * n]);
     let start = (run.rows[column] - [moved.q, moved.v].concat()[column]).abs();
     let growth = apart(here, there, column) / start;
-    if growth.is_finite() && growth > GROWS { Loss::Instability { growth } } else { accuracy }
+    let most = if settings.step.is_some() { f64::INFINITY } else { BY_STEPS / settings.tolerance };
+    if growth > GROWS && growth < most { Loss::Instability { growth } } else { accuracy }
 }
 
 /// True where the motion begins on a kink or jump that leads away to both sides.
