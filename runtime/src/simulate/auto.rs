@@ -6,7 +6,7 @@ use crate::events::EventLocator;
 use crate::integrate::{LENGTHS_OF_EXACT, fastest_rate, longest_step, operations_of_exact};
 use crate::mechanism::sliding::{self, SLIDES, fractions};
 use crate::mechanism::{AccelerationSlopes, At, Description, Enforcement, Event, Method, System, choose_sides};
-use crate::trust::{all_rates, rates};
+use crate::trust::{all_rates, rates, rates_however_many};
 
 /// A method, and why it was chosen; nothing where the user chose it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +23,10 @@ const LOOSE: f64 = 4e-4;
 const LOOSE_WHERE_CUT: f64 = 1.5e-5;
 /// A rate of decay is looked at where it would hold an explicit method to so many steps.
 const MANY_STEPS: f64 = 1e4;
+/// A stiff step of more coordinates than this costs as many times more beside an explicit one: its Jacobian has a column each.
+const USUAL: f64 = 40.0;
+/// The dense matrices of more coordinates than this are dearer than their evaluations.
+const LARGEST_STIFF: usize = 200;
 /// It is stiff where it is so much faster than all that vibrates.
 const FASTER: f64 = 1e3;
 
@@ -100,7 +104,7 @@ pub(super) fn steps_where_stiff(system: &dyn System, settings: &Settings) -> Opt
     let turns = settings.method == Method::Auto && settings.where_stiff == WhereStiff::Turns;
     match slides_in_space(system) {
         true => turns.then_some(0.0),
-        false => (turns && system.len() <= LARGEST).then_some(MANY_STEPS),
+        false => (turns && system.len() <= LARGEST_STIFF).then(|| MANY_STEPS * (system.len() as f64 / USUAL).max(1.0)),
     }
 }
 
@@ -108,7 +112,7 @@ pub(super) fn steps_where_stiff(system: &dyn System, settings: &Settings) -> Opt
 /// a stiff method would damp.
 pub(super) fn where_stiff(system: &dyn System, t: f64, y: &[f64]) -> WhereStiff {
     let (q, v) = y.split_at(y.len() / 2);
-    let rates = all_rates(system, t, q, v).unwrap_or_default();
+    let rates = rates_however_many(system, t, q, v).unwrap_or_default();
     let fastest = rates.into_iter().max_by(|a, b| a.norm().total_cmp(&b.norm()));
     let decays = fastest.is_some_and(|rate| -rate.re > rate.im.abs());
     if decays || slides_in_space(system) { WhereStiff::Turned } else { WhereStiff::Stays }

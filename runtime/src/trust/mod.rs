@@ -19,5 +19,5 @@ pub(crate) use ends::ends_that_meet;
 pub(crate) use gimbals::{GimbalGuard, explain_lock, lock_here};
 pub(crate) use inertia::{InertiaGuard, inertia_condition, positive_inertia};
 pub(crate) use reactions::{deciding, not_unique};
-pub(crate) use stability::{Watchman, all_rates, check_step, rates};
+pub(crate) use stability::{Watchman, all_rates, check_step, rates, rates_however_many};
 pub use warning::{Loss, Warning};
