@@ -459,7 +459,8 @@ impl fmt::Display for Cause {
             Cause::SingularConfiguration { sigma } => write!(
                 f,
                 "singular configuration: the constraints depend on each other here and not elsewhere (least singular \
-                 value {sigma:.1e}), so that the motion may go on in several ways; start beside it"
+                 value {sigma:.1e}), so that the motion may go on in several ways; start beside it; constraints by \
+                 multipliers lead a motion through that does not stay"
             ),
             Cause::PhaseMisses { phase, constraint, residual } => write!(
                 f,

@@ -126,14 +126,22 @@ impl Integration {
             let near = projection.is_nearly_singular();
             tolerance.note_constraint_round_off(near.then(|| projection.constraint_round_off(system, now, y)));
         }
+        // Coordinates that pivots choose continue no speeds where the rows depend on each other.
+        let goes_through = system.enforcement() != Enforcement::NullSpace;
         if let Some(sigma) = deficient {
+            if !goes_through || self.dwell.stays(sigma) {
+                return Err(Cause::SingularConfiguration { sigma }.into());
+            }
             recorder.warn(Warning::SingularPassed { t: now });
-            let stays = self.dwell.stays(sigma);
-            return if stays { Err(Cause::SingularConfiguration { sigma }.into()) } else { Ok(()) };
+            return Ok(());
         }
         self.dwell = SingularDwell::default();
         let place = At::place(now, &y[..system.len()]);
         if projection.passed(system, place, usual) {
+            if !goes_through {
+                let (_, sigma) = projection.rank();
+                return Err(Cause::SingularConfiguration { sigma }.into());
+            }
             recorder.warn(Warning::SingularPassed { t: now });
         }
         match projection.lost(system, At::packed(now, y, system.len()), 0.0) {
