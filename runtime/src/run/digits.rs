@@ -42,6 +42,10 @@ pub struct Digits {
 
 /// Errors are bounded by this times the differences: those of the second run are some ten times as large as those of the first.
 const MARGIN: f64 = 1.75;
+/// The zero of a function is located to so many roundings of its time, by both runs alike: those of forces that cancel there.
+const LOCATED: f64 = 64.0;
+/// A time of no more decimal digits was known beforehand.
+const DECIMAL: usize = 12;
 /// A column has no digits left where its error is this part of the range that it goes through.
 const LOST: f64 = 0.2;
 /// What moves by no more than this part of what else has its unit does not move.
@@ -80,7 +84,8 @@ impl Digits {
             let alike = times.get(event.event).map_or(&[][..], Vec::as_slice);
             let next = alike.partition_point(|t| *t < event.state.t);
             let around = alike[next.saturating_sub(1)..].iter().take(2);
-            around.map(|t| MARGIN * (t - event.state.t).abs()).fold(f64::INFINITY, f64::min)
+            let apart = around.map(|t| MARGIN * (t - event.state.t).abs()).fold(f64::INFINITY, f64::min);
+            located(apart, event.state.t)
         });
         let still = STILL.max(tolerance.unwrap_or(0.0));
         let ranges = ranges(run, still);
@@ -88,7 +93,10 @@ impl Digits {
         let differences = differences(run, other, (&ranges, &straddles));
         let mut digits = Digits {
             rows: differences.into_iter().map(|difference| MARGIN * difference).collect(),
-            end: MARGIN * (time_of(run) - time_of(other)).abs(),
+            end: match (run.ended_by(), MARGIN * (time_of(run) - time_of(other)).abs()) {
+                (Some(_), apart) => located(apart, time_of(run)),
+                (None, apart) => apart,
+            },
             events: events.collect(),
             lost: None,
             companion,
@@ -130,6 +138,23 @@ impl Digits {
         self.rows.iter_mut().for_each(|bound| *bound *= factor);
     }
 
+    /// Raises bounds to this part of the way that each column has gone until then: what speeds are off by from some instant on, whatever the tolerance,
+    /// places gather.
+    pub(crate) fn way_floor(&mut self, run: &Run, part: f64) {
+        let (columns, n) = (run.names.len(), run.names.coordinates.len());
+        let mut ways = vec![0.0; 2 * n];
+        for (row, bounds) in self.rows.chunks_exact_mut(columns).enumerate().skip(1) {
+            let [from, to] = [row - 1, row].map(|row| &run.rows[2 * n * row..][..2 * n]);
+            let time = run.times[row] - run.times[row - 1];
+            for (k, way) in ways.iter_mut().enumerate() {
+                // Between reports that are far apart it may go to and fro.
+                let by_speeds = if k < n { 0.5 * time * (from[n + k].abs() + to[n + k].abs()) } else { 0.0 };
+                *way += (to[k] - from[k]).abs().max(by_speeds);
+                bounds[k] = bounds[k].max(part * *way);
+            }
+        }
+    }
+
     /// Raises bounds to this part of what each column goes through, where none is known to be less.
     pub(crate) fn part_floor(&mut self, run: &Run, least: f64) {
         let mut ranges = self.ranges.clone();
@@ -163,6 +188,13 @@ impl Digits {
     pub(crate) fn lose(&mut self, run: &Run) {
         self.rows.fill(f64::INFINITY);
         self.lost = run.times.first().map(|t| (*t, 0));
+    }
+
+    /// Promises none of the times of events either.
+    pub(crate) fn lose_all(&mut self, run: &Run) {
+        self.lose(run);
+        self.events.fill(f64::INFINITY);
+        self.end = f64::INFINITY;
     }
 
     /// A state [q; q'] at about the time of a row, and states about it moved as far as half the bounds there.
@@ -425,14 +457,25 @@ impl Run {
     }
 }
 
-/// A time that both runs agree on to the last digit was known beforehand: it is written as it is.  One that is smaller than its error is
-/// not 0, but unknown.
+/// The bound on the error of an event's time, at which two runs are so far apart.
+fn located(apart: f64, t: f64) -> f64 {
+    if apart == 0.0 && is_decimal(t) { 0.0 } else { apart.max(LOCATED * f64::EPSILON * t.abs()) }
+}
+
+/// Whether a number has few decimal digits.
+fn is_decimal(number: f64) -> bool {
+    let text = format!("{number:e}");
+    let digits = text.split('e').next().unwrap_or(&text);
+    digits.bytes().filter(u8::is_ascii_digit).count() <= DECIMAL
+}
+
+/// A time without error was known beforehand: it is written as it is.  One that is smaller than its error is not 0, but unknown.
 #[cfg(feature = "cli")]
 fn written_time(t: f64, error: f64) -> String {
     match error {
         0.0 => plain(t),
         error if error >= t.abs() => "?".to_owned(),
-        error => written(t, error.max(2.0 * f64::EPSILON * t.abs())),
+        error => written(t, error),
     }
 }
 

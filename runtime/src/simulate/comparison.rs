@@ -33,6 +33,8 @@ const COARSER: f64 = 5.0;
 const FOLLOWING: f64 = 1.5;
 /// No comparison run has a looser tolerance.
 const LOOSEST: f64 = 0.3;
+/// A run with less than so many times the tolerance tells nothing of the first one.
+const TOLD_APART: f64 = 2.5;
 /// The start of the comparison run is moved by so many unit round-offs of the largest value that a coordinate or rate has.
 const MOVED: f64 = 20.0;
 /// What the constraints leave of a move is rounding below this part of it.
@@ -42,6 +44,8 @@ const GROWS: f64 = 1e4;
 /// Growth by 1/ε lets errors of the tolerance ε take all digits.  What is so many times more is no growth of the moved start: other steps were taken from
 /// it.
 const BY_STEPS: f64 = 100.0;
+/// What becomes larger than this beside its first tenth grows: other motions are as large as they get, but for a few powers of ten, from early on.
+const GROWN: f64 = 1e3;
 /// Where errors may be larger than this part of a range, two runs may agree by chance: a third one is asked.
 const DOUBTFUL: f64 = 1e-6;
 /// Where so many of the steps were rejected two runs may agree by chance too.
@@ -96,7 +100,8 @@ pub(crate) fn estimate_global_error(
     let ComparisonRun { policy, finer, follows, run: other } = comparison;
     let tolerance = settings.step.is_none() && !finer;
     run.fastest = fastest(system, settings, run);
-    let mut digits = Digits::compare(run, &other, policy, tolerance.then_some(policy));
+    let missed = tolerance.then(|| policy.max(conserved_drift(system, run)));
+    let mut digits = Digits::compare(run, &other, policy, missed);
     let cut = is_cut(system, run);
     let bumpy = is_bumpy(run);
     if digits.worst(run) > DOUBTFUL || cut || bumpy {
@@ -117,12 +122,18 @@ pub(crate) fn estimate_global_error(
         digits.inflate(LOCALLY);
     }
     digits.part_floor(run, known_to(system, run, cut));
+    if run.warnings.iter().any(|warning| matches!(warning, Warning::SingularPassed { .. })) {
+        digits.way_floor(run, conserved_drift(system, run));
+    }
     let detuning = detuning(system, run, &digits);
     digits.frequency_error(run, detuning);
     widen_flat_events(system, run, &mut digits);
     let passes_over = run.warnings.iter().any(|warning| matches!(warning, Warning::PassedOver { .. }));
     if passes_over || leaves_to_either_side(run) {
         digits.lose(run);
+    }
+    if tolerance && policy < TOLD_APART * settings.tolerance {
+        digits.lose_all(run);
     }
     if other.phases.last() == run.phases.last() {
         look_around_end(system, run, &mut digits);
@@ -148,8 +159,12 @@ fn known_to(system: &dyn System, run: &Run, cut: bool) -> f64 {
     let Some(tolerance) = run.tolerance else { return 0.0 };
     // Where a run is cut its errors follow the tolerance by chance only.
     let by_chance = if cut { tolerance } else { 0.0 };
-    let drift = run.energy_balance.filter(|_| system.description().structure.conservative);
-    by_chance.max(BY_ENERGY * drift.unwrap_or(0.0))
+    by_chance.max(BY_ENERGY * conserved_drift(system, run))
+}
+
+/// By which part of its scale an energy that should stay has changed.
+fn conserved_drift(system: &dyn System, run: &Run) -> f64 {
+    run.energy_balance.filter(|_| system.description().structure.conservative).unwrap_or(0.0)
 }
 
 /// The largest eigenvalue of the system linearised at the start, 1/s; 0 where it cannot be had.
@@ -388,8 +403,15 @@ fn alike(system: &mut dyn System, settings: &Settings, run: &Run) -> Settings {
     other.ticks = Some(Ticks::new(system, settings.from, settings.ticks.as_deref()).next_after(settings.from));
     // A kick at the very end says nothing of the way there.
     let kicked = run.len() > 1 && run.impulses.last().is_some_and(|impulse| run.times.last() == Some(&impulse.t));
-    let rows = &run.rows[..2 * n * (run.len() - usize::from(kicked))];
-    let largest = |column: usize| rows.iter().skip(column).step_by(2 * n).fold(0.0_f64, |most, y| most.max(y.abs()));
+    let count = run.len() - usize::from(kicked);
+    let largest_of = |count: usize, column: usize| {
+        run.rows[..2 * n * count].iter().skip(column).step_by(2 * n).fold(0.0_f64, |most, y| most.max(y.abs()))
+    };
+    // What a growing motion becomes has grown from roundings of what it was.
+    let largest = |column: usize| match (largest_of(count, column), largest_of(count.div_ceil(10), column)) {
+        (largest, early) if early > 0.0 => largest.min(GROWN * early),
+        (largest, _) => largest,
+    };
     let moves: Vec<f64> = (0..2 * n).map(|column| 0.5 * f64::EPSILON * MOVED * largest(column)).collect();
     for i in 0..n {
         // Moved in one sense they might only be shifted.
@@ -479,7 +501,7 @@ fn reason(
     };
     // With the same steps: only the start differs.
     let moved = Settings { decorrelate_steps: false, ..alike(system, settings, run) };
-    if leaves_to_either_side(run) || rests_unstably(system, settings, run) {
+    if leaves_to_either_side(run) || rests_unstably(system, settings, &moved) {
         return Loss::UnstableStart;
     }
     let other = match simulate_with(system, &moved, progress) {
@@ -506,24 +528,26 @@ fn leaves_to_either_side(run: &Run) -> bool {
     run.warnings.iter().any(|warning| matches!(warning, Warning::BothSidesLeave { .. }))
 }
 
-/// True where the motion begins at rest in an unstable equilibrium, and stays one as time goes by: all that moves it is rounding.
-fn rests_unstably(system: &dyn System, settings: &Settings, run: &Run) -> bool {
+/// True where the motion begins at rest in an unstable equilibrium, and stays one as time goes by: all that moves it is rounding, as a start that is
+/// moved by rounding tells.
+fn rests_unstably(system: &dyn System, settings: &Settings, moved: &Settings) -> bool {
     const TIMES: u32 = 64;
     if settings.v.iter().any(|v| *v != 0.0) {
         return false;
     }
-    let largest = run.rows.iter().fold(0.0_f64, |most, y| most.max(y.abs()));
     let span = settings.until - settings.from;
-    let mut a = vec![0.0; settings.q.len()];
     // Of large mechanisms eigenvalues are not known.
     let rates = all_rates(system, settings.from, &settings.q, &settings.v);
     if rates.is_some_and(|rates| rates.iter().all(|rate| rate.re * span <= 1.0)) {
         return false;
     }
+    let (mut here, mut there) = (vec![0.0; settings.q.len()], vec![0.0; settings.q.len()]);
     (0..=TIMES).all(|k| {
         let t = settings.from + f64::from(k) / f64::from(TIMES) * span;
-        let known = system.accelerations(At::new(t, &settings.q, &settings.v), &mut a).is_ok();
-        // How far this acceleration alone would lead.
-        known && a.iter().all(|a| a.abs() * span * span <= 1e-9 * largest)
+        let known = system.accelerations(At::new(t, &settings.q, &settings.v), &mut here).is_ok()
+            && system.accelerations(At::new(t, &moved.q, &settings.v), &mut there).is_ok();
+        let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0_f64, |most, a| most.max(a.abs()));
+        let by_rounding = largest(&mut here.iter().zip(&there).map(|(here, there)| here - there));
+        known && largest(&mut here.iter().copied()) <= by_rounding
     })
 }

@@ -1,6 +1,6 @@
 //! Second runs that began otherwise than the first went on: digits that were lost, and advice that did not fit.
 
-use dalembert::{Loss, Method, Run, Warning};
+use dalembert::{Cause, Enforcement, Loss, Method, Run, Warning};
 
 use super::{case, folder, program};
 
@@ -315,4 +315,86 @@ fn states_between_steps_that_stability_limits_are_as_good_as_at_their_ends() {
     let off = states.map(|(exact, found)| (exact["x"] - found["x"]).abs()).fold(0.0, f64::max);
     assert!(off < 1e-9, "{off:e}");
     assert!(found.work.steps < 200, "{} steps", found.work.steps);
+}
+
+/// A bead on a figure of eight, x = sin u, y = sin u cos u, passes the node, where its constraint has no gradient.
+const EIGHT: &str = r#"
+name: Eight
+parameters: {m: 1 kg, g: 9.81 m/s^2, a: 1 m}
+coordinates: {x: m, y: m}
+bodies: {bead: {mass: m, position: "[x, y]"}}
+gravity: "[0, -g]"
+constraints: {c: "x^4 - a^2*(x^2 - y^2)"}
+scene: {start: {x: 0.9, y: "0.9*sqrt(0.19)", x': -3}, until: 1.5, tolerance: 1e-11}
+"#;
+
+#[test]
+fn what_a_singular_position_takes_from_the_energy_is_missing_on_all_the_way_after_it() {
+    // u'' of the angle in 30 digits, by Taylor series.
+    let known =
+        [("x", -0.999551409441948), ("y", 0.0299361872940607), ("x'", 0.175685880572294), ("y'", 5.85552314347691)];
+    for tolerance in [1e-7, 1e-9, 1e-11, 1e-13] {
+        let run = judged(&EIGHT.replace("1e-11", &format!("{tolerance:e}")));
+        for (name, value) in known {
+            let (error, bound) = ((run.last()[name] - value).abs(), *run.errors(name).expect("bounds").last().unwrap());
+            assert!(error <= bound, "{tolerance:e}: {name} is off by {error:e}, more than {bound:e}");
+            assert!(bound < 1e-3, "{tolerance:e}: {name} known to {bound:e} only");
+        }
+    }
+}
+
+#[test]
+fn coordinates_that_pivots_choose_turned_off_at_crossing_lines() {
+    let crossing = "name: Crossing\nparameters: {m: 1 kg}\ncoordinates: {x: m, y: m}\nbodies: {b: {mass: m, position: '[x, y]'}}\n\
+        constraints: {c: (0.8*x + 0.6*y)*(0.8*y - 0.6*x)}\n\
+        scene: {start: {x: -0.8, y: -0.6, x': 0.8, y': 0.6}, until: 3, tolerance: 1e-10}\n";
+    let run = judged(crossing);
+    assert!((run.last()["x"] - 1.6).abs() < 1e-6 && (run.last()["y"] - 1.2).abs() < 1e-6, "{:?}", run.last());
+    let mut case = case(crossing);
+    case.settings.enforcement = Enforcement::NullSpace;
+    let error = case.try_run().expect_err("no motion");
+    assert!(matches!(error.cause(), Some(Cause::SingularConfiguration { .. })), "{error}");
+}
+
+/// What a motion becomes that grows from 1e-5 is no measure of the roundings of its start, and it does not begin at rest.
+#[test]
+fn what_grows_has_the_digits_of_its_start() {
+    let file = "name: Grow\nparameters: {m: 1 kg, k: 1 N/m}\ncoordinates: {x: m}\nkinetic_energy: m*x'^2/2\npotential_energy: -k*x^2/2\n\
+        scene: {start: {x: 1e-5}, until: 60, tolerance: 1e-11}\n";
+    let run = judged(file);
+    let (x, known) = (run.last()["x"], 1e-5 * 60.0_f64.cosh());
+    assert!((x / known - 1.0).abs() < 1e-9, "{x} {known}");
+    assert!(
+        run.digits("x").is_some_and(|digits| digits >= 7) && run.warnings.is_empty(),
+        "{:?} {:?}",
+        run.digits("x"),
+        run.warnings
+    );
+}
+
+/// Both runs find the instant at which forces cancel by the same roundings, which are no digits of it.
+#[test]
+fn an_instant_that_two_runs_share_is_known_to_its_roundings() {
+    let file = "name: Pulled\nparameters: {m: 3 kg, mu: 0.2 1, g: 9.81 m/s^2, r: 4 N/s, h: 0.5 s}\ncoordinates: {x: m, y: m}\n\
+        bodies: {b: {mass: m, position: '[x, y]'}}\ngravity: '[0, -g]'\nforces: {pull: {on: b, force: '[r*t, 0]'}}\n\
+        contacts: {floor: {gap: y, on: b, normal: '[0, 1]', friction: mu}}\nevents: {half: {when: t - h, then: record}}\n\
+        scene: {start: {}, until: 2, tolerance: 1e-11}\n";
+    let path = folder("instants").join("pulled.yaml");
+    std::fs::write(&path, file).expect("a file");
+    let printed = program(&["simulate", path.to_str().expect("a path")]).expect("a run");
+    assert!(printed.contains("slips at t = 1.4715000000000\n"), "{printed}");
+    assert!(printed.contains("half at t = 0.5\n"), "{printed}");
+}
+
+/// A second run cannot be ten times as coarse as one that is as coarse as can be.
+#[test]
+fn a_tolerance_that_no_second_run_exceeds_promises_nothing() {
+    let file = "name: Swing\ncoordinates: {x: 1}\nkinetic_energy: x'^2/2\npotential_energy: x^2/2\n\
+        events: {up: {when: x, direction: rising, then: record}}\nscene: {start: {x: 1}, until: 10}\n";
+    let path = folder("coarse").join("swing.yaml");
+    std::fs::write(&path, file).expect("a file");
+    for tolerance in ["0.2", "1"] {
+        let printed = program(&["simulate", path.to_str().expect("a path"), "--tolerance", tolerance]).expect("a run");
+        assert!(printed.contains("x = ?") && !printed.contains("up at t = 4"), "{printed}");
+    }
 }
