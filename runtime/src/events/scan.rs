@@ -69,6 +69,8 @@ pub(crate) struct Scanner {
     length: f64,
     /// In which part of the step scanned last something happens that its far end may hide or blur; `None` where nothing does.
     early: Option<f64>,
+    /// How often in a row a step was made shorter for what begins there.
+    shortened: u32,
     /// Which functions have arguments inside that must be looked at.
     inside: Vec<bool>,
     /// Which are those of events that end what a contact holds by a force.
@@ -87,6 +89,9 @@ const POWERS: std::ops::Range<f64> = 0.9..8.5;
 const ROUNDINGS: f64 = 64.0;
 /// A place this part of itself behind a jump is beyond it, rounding and all.
 const BEYOND: f64 = 1024.0 * f64::EPSILON;
+/// A step that does not show where a function leaves zero is made so much shorter, and so often at the most: rounding shows it no better.
+const SHORTER: f64 = 0.1;
+const SHORTENED: u32 = 6;
 /// A change that is larger than the others by this is beside a pole.
 const POLE: f64 = 1e8;
 
@@ -124,6 +129,7 @@ impl Scanner {
             ends: f64::NAN,
             length: 1.0,
             early: None,
+            shortened: 0,
             inside: inside.collect(),
             holds: holds.collect(),
             crossings: Vec::with_capacity(2 * functions),
@@ -165,6 +171,7 @@ impl Scanner {
             }
         }
         self.crossings.sort_by(|a, b| a.theta.total_cmp(&b.theta).then(a.function.cmp(&b.function)));
+        self.shortened = if self.early.is_some() { self.shortened + 1 } else { 0 };
         Ok(())
     }
 
@@ -384,6 +391,11 @@ impl Scanner {
                 // It lies beyond zero from the start, since what changed it there was no step; or it left zero to the
                 // other side and came back before anybody looked.
                 let theta = certifier.points().first().map_or(0.0, |start| hop(start, first, side));
+                if self.fresh[function] && self.shortened < SHORTENED {
+                    // What has just been decided to leave zero to its side does not leave it to the other one: the step is too long for its dense output
+                    // to show where it goes.
+                    self.early = Some(self.early.map_or(SHORTER, |early| early.min(SHORTER)));
+                }
                 self.crossings.push(Crossing { function, theta, rising: sign > 0.0, jumps: false });
                 side = sign;
             }
