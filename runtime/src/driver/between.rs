@@ -28,6 +28,10 @@ impl Defect {
     /// Steps whose defect over their length is more than this times the tolerance do not follow the equations.
     pub const MOST: f64 = 1e3;
 
+    /// Steps for stiff motions aim at a defect that does 1 to the state, in units of the tolerance, and are tried again where it does so much: one is
+    /// left a little beside its slow motion where it is brought back to constraints, and swings on the way there.
+    pub const REPEATED: f64 = 10.0;
+
     /// At the start of an integration of states of this size.
     pub fn new(size: usize) -> Self {
         let zero = vec![0.0; size];
@@ -225,7 +229,7 @@ impl Integration {
         }
         let good = step.h * self.control.between_ends(size);
         self.h = self.h.min(good);
-        (size > 1.0).then_some(good)
+        (size > Defect::REPEATED).then_some(good)
     }
 
     /// h times the defect of the dense output of the step that was tried at θ, as what it does to a state; NaN where there is none.

@@ -92,6 +92,8 @@ const BEYOND: f64 = 1024.0 * f64::EPSILON;
 /// A step that does not show where a function leaves zero is made so much shorter, and so often at the most: rounding shows it no better.
 const SHORTER: f64 = 0.1;
 const SHORTENED: u32 = 6;
+/// Nor does a step of so many roundings of the time.
+const RESOLVED: f64 = 1e4;
 /// A change that is larger than the others by this is beside a pole.
 const POLE: f64 = 1e8;
 
@@ -391,7 +393,8 @@ impl Scanner {
                 // It lies beyond zero from the start, since what changed it there was no step; or it left zero to the
                 // other side and came back before anybody looked.
                 let theta = certifier.points().first().map_or(0.0, |start| hop(start, first, side));
-                if self.fresh[function] && self.shortened < SHORTENED {
+                let resolved = SHORTER * segment.h > RESOLVED * f64::EPSILON * segment.t.abs();
+                if self.fresh[function] && self.shortened < SHORTENED && resolved {
                     // What has just been decided to leave zero to its side does not leave it to the other one: the step is too long for its dense output
                     // to show where it goes.
                     self.early = Some(self.early.map_or(SHORTER, |early| early.min(SHORTER)));
