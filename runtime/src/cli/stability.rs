@@ -25,8 +25,10 @@ pub fn run(options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     outputs::draw(&path, map.chart())?;
     if options.get_flag("json") {
         let limit = |limit: &Limit| {
-            let [measured, theory] = [limit.measured, limit.theory].map(|limit| limit.map_or(Value::Null, number));
-            object([("damping", number(limit.damping)), ("measured", measured), ("theory", theory)])
+            let of = |limit: Option<f64>| limit.map_or(Value::Null, number);
+            let [measured, theory] = [limit.measured, limit.theory].map(of);
+            let again = limit.again.map_or(Value::Null, |(from, to)| json!([from, to]));
+            object([("damping", number(limit.damping)), ("measured", measured), ("theory", theory), ("again", again)])
         };
         let limits = map.limits.iter().map(limit).collect();
         let object = object([
@@ -37,11 +39,12 @@ pub fn run(options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
         ]);
         return Ok(write(&object, out)?);
     }
-    writeln!(out, "longest stable h·ω of x'' + 2ζω x' + ω² x = 0 by {method}")?;
+    writeln!(out, "h·ω up to which x'' + 2ζω x' + ω² x = 0 does not grow by {method}")?;
     writeln!(out, "{:>6}  {:>9}  {:>9}", "ζ", "measured", "theory")?;
     let write = |limit: Option<f64>| limit.map_or(format!("> {longest}"), |limit| format!("{limit:.4}"));
     for limit in &map.limits {
-        writeln!(out, "{:>6.3}  {:>9}  {:>9}", limit.damping, write(limit.measured), write(limit.theory))?;
+        let again = limit.again.map_or(String::new(), |(from, to)| format!("  nor from {from:.4} to {to:.4}"));
+        writeln!(out, "{:>6.3}  {:>9}  {:>9}{again}", limit.damping, write(limit.measured), write(limit.theory))?;
     }
     writeln!(out, "written: {path}")?;
     Ok(())
