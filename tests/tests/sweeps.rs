@@ -282,3 +282,18 @@ fn frequencies_stand_in_the_table() {
     let refused = told(&["sweep", "double_pendulum", "--vary", "l=1,2", "--modes", "many", "--csv", "/dev/null"]);
     assert!(refused.expect_err("no number").contains("--modes wants a number from 1 to 100"));
 }
+
+/// A picture has as many curves as can be told apart, from the first to the last, and says so.
+#[test]
+fn of_many_curves_evenly_spread_ones_are_drawn() {
+    let folder = folder("many");
+    let (table, picture) = (folder.join("all.csv"), folder.join("all.svg"));
+    let plot = picture.to_str().expect("a path");
+    let vary = ["simple_pendulum", "--vary", "l=1,2", "--vary", "theta=0.1..3:30", "--until", "0.1"];
+    swept(&table, &[&vary[..], &["--show", "theta", "--plot", plot]].concat());
+    let text = fs::read_to_string(&picture).expect("a picture");
+    assert!(text.contains("(12 of 30 curves)"), "{text}");
+    assert!(["start = 0.1", "start = 3"].iter().all(|name| text.contains(name)), "{text}");
+    swept(&table, &["simple_pendulum", "--vary", "l=1,2", "--until", "0.1", "--show", "theta", "--plot", plot]);
+    assert!(!fs::read_to_string(&picture).expect("a picture").contains("curves)"));
+}

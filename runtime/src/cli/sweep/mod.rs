@@ -40,7 +40,8 @@ const MOST_COLUMNS: usize = 6;
 const TOLD: usize = 500;
 /// Nor more modes asked for.
 const MOST_MODES: usize = 100;
-/// What is drawn over the first of what varies has a line for each combination of the others, up to so many.
+/// What is drawn over the first of what varies has a line for each combination of the others, up to so many: more cannot be told apart
+/// nor named beside the chart.
 const MOST_LINES: usize = 12;
 /// What the file beside the table is called where it cannot be written.
 const BESIDE: &str = "csv (what the table is of)";
@@ -355,23 +356,25 @@ fn draw(loaded: &Loaded, table: &Table, varied: usize, shown: &[String], [x_log,
         let axis = Axis::new(name, unit_of(loaded.system.description(), name));
         if log { axis.log() } else { axis }
     };
-    let mut others: Vec<Vec<Option<f64>>> = Vec::new();
-    for row in &table.rows {
-        let other = row.cells[1..varied].to_vec();
-        if !others.contains(&other) && others.len() < MOST_LINES {
-            others.push(other);
-        }
+    let all = combinations(table, varied);
+    let others = evenly_spread(&all);
+    let left_out = match all.len() {
+        count if count > others.len() => format!("{} of {count} curves", others.len()),
+        _ => String::new(),
+    };
+    if !left_out.is_empty() {
+        eprintln!("warning: the picture has {left_out}, evenly spread; the table has all");
     }
     let chart = |name: &String| {
         let Some(place) = table.column(name) else {
             return Chart::new(name.clone(), label("", false), label("", false));
         };
-        let line = |other: &Vec<Option<f64>>| {
+        let line = |other: &&Combination| {
             let rows = table.rows.iter().filter(|row| row.cells[1..varied] == other[..]);
             // Where a run failed is no end of it.
             let ends = rows.map(|row| Some(row).filter(|row| row.error.is_empty()));
             let points = ends.map(|row| row.and_then(|row| Some((row.cells[0]?, row.cells[place]?))));
-            let values = table.names[2..].iter().zip(other);
+            let values = table.names[2..].iter().zip(other.iter());
             let title: Vec<String> =
                 values.map(|(name, value)| format!("{name} = {}", short(value.unwrap_or(f64::NAN)))).collect();
             let failed = table.rows.iter().filter(|row| row.cells[1..varied] == other[..] && !row.error.is_empty());
@@ -392,12 +395,32 @@ fn draw(loaded: &Loaded, table: &Table, varied: usize, shown: &[String], [x_log,
         }
         let failed = match table.rows.iter().filter(|row| !row.error.is_empty()).count() {
             0 => String::new(),
-            failed => format!(" ({failed} of {} runs failed)", table.rows.len()),
+            failed => format!("{failed} of {} runs failed", table.rows.len()),
         };
-        let empty = Chart::new(format!("{}: {name}{when}{failed}", loaded.name), x, y);
+        let notes: Vec<&str> = [&*left_out, &*failed].into_iter().filter(|note| !note.is_empty()).collect();
+        let notes = if notes.is_empty() { String::new() } else { format!(" ({})", notes.join(", ")) };
+        let empty = Chart::new(format!("{}: {name}{when}{notes}", loaded.name), x, y);
         others.iter().map(line).fold(empty, Chart::with)
     };
     Figure::from(shown.iter().map(chart).collect::<Vec<_>>())
+}
+
+/// Values of all that varies but the first.
+type Combination = Vec<Option<f64>>;
+
+/// All combinations that the table has, in order.
+fn combinations(table: &Table, varied: usize) -> Vec<Combination> {
+    let mut seen = HashSet::new();
+    let of = |row: &Row| row.cells[1..varied].to_vec();
+    let key = |other: &Combination| other.iter().map(|value| value.map(f64::to_bits)).collect::<Vec<_>>();
+    table.rows.iter().map(of).filter(|other| seen.insert(key(other))).collect()
+}
+
+/// The first and the last of these and as many evenly between them as there are lines for.
+fn evenly_spread(all: &[Combination]) -> Vec<&Combination> {
+    let count = all.len().min(MOST_LINES);
+    let place = |k: usize| (k * (all.len() - 1)) as f64 / (count - 1).max(1) as f64;
+    (0..count).map(|k| &all[place(k).round() as usize]).collect()
 }
 
 /// The unit of a parameter, a coordinate, a rate or an output, `min`, `max` and `at the start` left aside.
