@@ -283,6 +283,48 @@ fn frequencies_stand_in_the_table() {
     assert!(refused.expect_err("no number").contains("--modes wants a number from 1 to 100"));
 }
 
+/// Values of these columns in all rows of a table.
+fn columns(table: &str, names: &[&str]) -> Vec<Vec<Option<f64>>> {
+    let mut reader = csv::Reader::from_reader(table.as_bytes());
+    let known = reader.headers().expect("names").clone();
+    let place =
+        |name: &&str| known.iter().position(|own| own == *name).unwrap_or_else(|| panic!("{name} in {known:?}"));
+    let places: Vec<usize> = names.iter().map(place).collect();
+    let row = |row: csv::StringRecord| places.iter().map(|place| row[*place].parse().ok()).collect();
+    reader.records().map(|found| row(found.expect("a row"))).collect()
+}
+
+#[test]
+fn what_does_not_oscillate_has_no_frequency_and_comes_last() {
+    let folder = folder("real");
+    let path = folder.join("all.csv");
+    let bob = ["simple_pendulum", "--vary", "g=-5,5", "--until", "0.1", "--modes", "1"];
+    let found = columns(&swept(&path, &bob), &["frequency 1", "damping 1"]);
+    // Upside down it leaves by the rate √(g/l), as e^(2.236 t).
+    assert_eq!((found[0][0], found[0][1]), (None, Some(-1.0)));
+    assert!(found[1][0].is_some_and(|hertz| (hertz - 0.355881).abs() < 1e-6), "{found:?}");
+    // Two masses on springs: x with a damper that turns its pair real, y without one.
+    let file = folder.join("pairs.yaml");
+    let text = "name: Pairs
+parameters: {m: 1 kg, k: 4 N/m, c: 0.1 N*s/m}
+coordinates: {x: m, y: m}
+bodies:
+  first: {mass: m, position: \"[x, 0]\"}
+  second: {mass: m, position: \"[y, 0]\"}
+potential_energy: k*(x^2 + y^2)/2
+generalized_forces: {x: -c*x'}
+scene: {start: {x: 1}, until: 0.1}
+";
+    fs::write(&file, text).expect("a file");
+    let sweep = [file.to_str().expect("a path"), "--vary", "c=0.2,10", "--vary", "k=1..9:9", "--modes", "2"];
+    let names = ["frequency 1", "damping 1", "frequency 2", "damping 2"];
+    for (run, row) in columns(&swept(&path, &sweep), &names).iter().enumerate() {
+        // Frequencies √(k/m) are equal but for rounding: the undamped one comes first.
+        assert!(row[1].is_some_and(|zeta| zeta.abs() < 1e-12) && row[3] > Some(0.01), "{row:?}");
+        assert_eq!(row[2].is_some(), run < 9, "{row:?}");
+    }
+}
+
 /// A picture has as many curves as can be told apart, from the first to the last, and says so.
 #[test]
 fn of_many_curves_evenly_spread_ones_are_drawn() {

@@ -329,7 +329,7 @@ fn sweep() -> Command {
         .arg(value("step", "TIME", "A fixed step"))
         .arg(max_steps())
         .arg(value("every", "TIME", "Spacing of the states among which extremes are looked for [default: 500 points]"))
-        .arg(value("modes", "COUNT", "Frequencies in Hz and damping ratios of so many modes about the equilibrium of each run's parameters, the slowest first"))
+        .arg(value("modes", "COUNT", "Frequencies in Hz and damping ratios of so many modes about the equilibrium of each run's parameters, the slowest first; what does not oscillate comes last and has no frequency"))
         .arg(value("show", "A,B", "What is printed and drawn: a coordinate, rate or output at the end, or `min A`, `max A`, `events E`, `t`, `energy drift`, `warnings`, `frequency 1`, `damping 1` [default: coordinates, outputs and frequencies]"))
         .arg(value("csv", "FILE.csv", "Where the table goes, row by row, with FILE.csv.json beside it, which says what it is a table of; - for standard output, where the report goes to standard error [default: NAME-sweep.csv]").short('o'))
         .arg(value("npz", "FILE.npz", "Write the whole table as NumPy's arrays too, one for each column by its name").value_hint(ValueHint::FilePath))

@@ -1,11 +1,12 @@
 //! The table of a sweep, one row a run.
 
+use std::cmp::Ordering;
 use std::f64::consts::TAU;
 
 use super::experiment::Experiment;
 use crate::cli::Problem;
 use crate::cli::npz::Archive;
-use crate::linear::{LinearError, Mode};
+use crate::linear::{Kind, LinearError, Mode};
 use crate::mechanism::Description;
 use crate::{Error, Run};
 
@@ -76,10 +77,11 @@ impl Row {
         Row { run, cells: values.into_iter().map(Some).chain(found).collect(), error }
     }
 
-    /// The row with frequencies, Hz, and damping ratios of so many modes, the slowest first; nothing beyond those there are.
+    /// The row with frequencies, Hz, and damping ratios of so many modes, the slowest first and last those that have no frequency; nothing
+    /// beyond those there are.
     pub fn with_modes(mut self, found: Result<Vec<Mode>, LinearError>, count: usize) -> Row {
-        let of = |mode: &Mode| [Some(mode.omega / TAU), mode.zeta];
-        let modes = match found {
+        let of = |mode: &Mode| [has_frequency(mode).then_some(mode.omega / TAU), mode.zeta];
+        let mut modes = match found {
             Ok(modes) => modes,
             Err(problem) => {
                 if self.error.is_empty() {
@@ -88,8 +90,28 @@ impl Row {
                 Vec::new()
             }
         };
+        in_order(&mut modes);
         self.cells.extend(modes.iter().map(of).chain(std::iter::repeat([None, None])).take(count).flatten());
         self
+    }
+}
+
+/// Frequencies that differ by less than this part of them are equal but for rounding, as where damping turns one of two equal modes.
+const EQUAL: f64 = 1e-9;
+
+/// Whether a mode goes to and fro, or is a motion without stiffness, whose frequency is 0: what dies out or grows by a real eigenvalue has none.
+fn has_frequency(mode: &Mode) -> bool {
+    mode.eigenvalue.im != 0.0 || mode.kind == Kind::Rigid
+}
+
+/// Modes by their frequencies, those that are equal by their damping, and behind them those without one by their rates.
+fn in_order(modes: &mut [Mode]) {
+    modes.sort_by(|a, b| {
+        (!has_frequency(a), a.omega).partial_cmp(&(!has_frequency(b), b.omega)).unwrap_or(Ordering::Equal)
+    });
+    let alike = |a: &Mode, b: &Mode| has_frequency(a) == has_frequency(b) && b.omega - a.omega <= EQUAL * b.omega;
+    for equal in modes.chunk_by_mut(alike) {
+        equal.sort_by(|a, b| a.zeta.partial_cmp(&b.zeta).unwrap_or(Ordering::Equal));
     }
 }
 
