@@ -269,17 +269,12 @@ pub fn values(
     if log && !(from > 0.0 && to > 0.0) {
         return Err(Problem::usage(format!("--{option}: `{text}` has no logarithm at its ends")));
     }
-    let (a, b) = if log { (from.ln(), to.ln()) } else { (from, to) };
-    let between = |k: usize| {
-        let x = k as f64 / (count - 1) as f64;
-        let y = a * (1.0 - x) + b * x;
-        if log { y.exp() } else { y }
-    };
     // Both ends as they were given.
     let at = |k: usize| match k {
         0 => from,
         k if k == count - 1 => to,
-        k => between(k),
+        k if log => in_logarithm((from, to), (k, count - 1)),
+        k => evenly((from, to), (k, count - 1)),
     };
     let all: Vec<f64> = (0..count).map(at).collect();
     if let Sets::Parameter(parameter) = sets {
@@ -288,4 +283,52 @@ pub fn values(
         }
     }
     Ok(all)
+}
+
+/// The value after k of so many equal steps; what is rounding beside the ends is 0.
+fn evenly((from, to): (f64, f64), (k, steps): (usize, usize)) -> f64 {
+    let value = from + k as f64 * (to - from) / steps as f64;
+    if value.abs() <= f64::EPSILON * (from.abs() + to.abs()) { 0.0 } else { value }
+}
+
+/// Logarithms of numbers that are no further from a whole one than this are whole but for rounding: they are no larger than 700.
+const WHOLE: f64 = 1e-12;
+
+/// The same in the logarithm; a power of ten away from the beginning it has the digits of that.
+fn in_logarithm((from, to): (f64, f64), (k, steps): (usize, usize)) -> f64 {
+    let decades = k as f64 * (to.log10() - from.log10()) / steps as f64;
+    let (digits, exponent) = (format!("{from:e}"), decades.round());
+    match digits.split_once('e').and_then(|(digits, own)| Some((digits, own.parse::<i32>().ok()?))) {
+        Some((digits, own)) if (decades - exponent).abs() <= WHOLE => {
+            format!("{digits}e{}", own + exponent as i32).parse().unwrap_or(f64::NAN)
+        }
+        _ => from * 10f64.powf(decades),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn evenly_spaced_values_have_an_exact_zero() {
+        assert_eq!(evenly((0.0, 3.0), (1, 30)), 0.1);
+        for (from, to, count, zero) in [(-1.0, 2.0, 7, 2), (-0.3, 0.6, 4, 1), (0.7, -0.7, 15, 7), (-1e9, 1e9, 101, 50)]
+        {
+            let values: Vec<f64> = (0..count).map(|k| evenly((from, to), (k, count - 1))).collect();
+            assert_eq!(values[zero], 0.0, "{values:?}");
+            assert_eq!(values.iter().filter(|value| **value == 0.0).count(), 1, "{values:?}");
+        }
+    }
+
+    #[test]
+    fn values_evenly_in_the_logarithm_have_exact_powers_of_ten() {
+        let all = |from: f64, to: f64, count: usize| -> Vec<f64> {
+            (0..count).map(|k| in_logarithm((from, to), (k, count - 1))).collect()
+        };
+        assert_eq!(all(1e-3, 1e3, 7), [1e-3, 1e-2, 1e-1, 1.0, 10.0, 100.0, 1000.0]);
+        assert_eq!(all(2e5, 2e-5, 11), [2e5, 2e4, 2e3, 2e2, 2e1, 2.0, 2e-1, 2e-2, 2e-3, 2e-4, 2e-5]);
+        let octaves = all(1.0, 8.0, 4);
+        assert!(octaves.iter().zip([1.0, 2.0, 4.0, 8.0]).all(|(a, b)| (a - b).abs() < 1e-15 * b), "{octaves:?}");
+    }
 }
