@@ -61,7 +61,13 @@ impl Axis {
 
     /// `time (s)`.
     pub(super) fn text(&self) -> String {
-        if self.unit.is_empty() { self.label.clone() } else { format!("{} ({})", self.label, self.unit) }
+        self.text_from("")
+    }
+
+    /// `y + 0.981 (m)` where what is written at the marks is counted from −0.981.
+    fn text_from(&self, origin: &str) -> String {
+        let unit = if self.unit.is_empty() { String::new() } else { format!(" ({})", self.unit) };
+        format!("{}{origin}{unit}", self.label)
     }
 
     /// True when a value has a place on an axis of this scale.
@@ -133,6 +139,11 @@ impl Extent {
     /// Keeps this fraction at the upper end free of data.
     pub fn reserve(&mut self, fraction: f64) {
         self.high = self.at(1.0 / (1.0 - fraction.clamp(0.0, 0.5))).min(1e301);
+    }
+
+    /// What is written beside the axis that this is the extent of.
+    pub fn text(&self, axis: &Axis) -> String {
+        axis.text_from(&self.ticks.origin)
     }
 
     /// Distance between the ends.

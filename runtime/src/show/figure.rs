@@ -284,9 +284,9 @@ fn draw_chart<B: DrawingBackend>(chart: &Chart, canvas: &Canvas<B>, cell: Cell, 
     let last = left + 2 * cell.width > WIDTH;
     let room = about(middle - left, if last { WIDTH - left } else { cell.width });
     write(canvas, (&chart.title, room), (middle, top + TITLE / 2), &[16, 14, 12], FontTransform::None)?;
-    write(canvas, (&chart.x.text(), room), (middle, bottom - 18), &[14, 12], FontTransform::None)?;
+    write(canvas, (&x.text(&chart.x), room), (middle, bottom - 18), &[14, 12], FontTransform::None)?;
     let (middle, room) = (top + title + inner_height / 2, about(title + inner_height / 2, height));
-    write(canvas, (&chart.y.text(), room), (left + 11, middle), &[14, 12, 10], FontTransform::Rotate270)
+    write(canvas, (&y.text(&chart.y), room), (left + 11, middle), &[14, 12, 10], FontTransform::Rotate270)
 }
 
 /// A line in fractions of both axes without what is outside of the frame, cut where it crosses that.

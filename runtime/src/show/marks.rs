@@ -21,6 +21,9 @@ pub(super) const COLOURS: [RGBColor; 7] = [
 /// Lengths of dashes and gaps, px: of the first series with each colour, of the second and the third.
 const DASHES: [Option<(i32, i32)>; 3] = [None, Some((10, 4)), Some((3, 4))];
 
+/// How broad lines are, in drawing units.
+const BROAD: i32 = 2 * FINE;
+
 /// How much of a colour an area has, the rest is white: lines and names over it can be read.
 const PALE: f64 = 0.35;
 
@@ -59,7 +62,7 @@ impl Pen {
         Pen { colour, dashes, shape: index % 5, style }
     }
 
-    /// Lines between neighbours that are both there; a lone point is a dot.
+    /// Lines between neighbours that are both there; a lone point is a dot, and so is what is shorter than a line is broad.
     pub fn line<B: DrawingBackend>(
         &self,
         canvas: &Canvas<B>,
@@ -72,14 +75,14 @@ impl Pen {
         if self.style == Style::Filled {
             return self.areas(canvas, &points);
         }
-        let stroke = self.colour.stroke_width(2 * FINE as u32);
+        let stroke = self.colour.stroke_width(BROAD as u32);
         for piece in points.split(Option::is_none) {
             let mut piece: Vec<Place> = piece.iter().flatten().copied().collect();
             piece.dedup();
             let piece = thinned(&piece);
             match (piece.as_slice(), self.dashes) {
                 ([], _) => {}
-                ([dot], _) => canvas.draw(&Circle::new(*dot, 2 * FINE, self.colour.filled()))?,
+                ([dot, rest @ ..], _) if rest.iter().all(|place| is_near(*dot, *place)) => canvas.draw(&Circle::new(*dot, 2 * FINE, self.colour.filled()))?,
                 (_, None) => canvas.draw(&PathElement::new(piece, stroke))?,
                 (_, Some((dash, gap))) => {
                     canvas.draw(&DashedPathElement::new(piece, dash * FINE, gap * FINE, stroke))?
@@ -130,6 +133,11 @@ impl Pen {
         let corners: Vec<Place> = corners.iter().map(|(dx, dy)| (x + dx, y + dy)).collect();
         canvas.draw(&Polygon::new(corners, self.colour.filled()))
     }
+}
+
+/// Whether two places are no farther from each other than a line is broad.
+fn is_near(a: Place, b: Place) -> bool {
+    (a.0 - b.0).abs() <= BROAD && (a.1 - b.1).abs() <= BROAD
 }
 
 /// A row of crosses for what failed at these places from left to right; words stand after the last of a kind.

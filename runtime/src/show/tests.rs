@@ -139,6 +139,41 @@ fn failures_stand_above_everything() {
     assert!(numbers(cross.attribute("y").unwrap())[0] / 10.0 < highest);
 }
 
+/// What is written in a picture, with the places.
+fn written(svg: &str) -> Vec<(String, f64, f64)> {
+    let document = Document::parse(svg).unwrap();
+    let place = |node: &roxmltree::Node<'_, '_>, name: &str| numbers(node.attribute(name).unwrap())[0] / 10.0;
+    let texts = document.descendants().filter(|node| node.has_tag_name("text"));
+    texts.map(|node| (node.text().unwrap_or("").trim().to_owned(), place(&node, "x"), place(&node, "y"))).collect()
+}
+
+#[test]
+fn a_range_that_is_small_beside_its_values_is_counted_from_one_of_them() {
+    let line = |low: f64, width: f64| {
+        let points = (0..=4).map(|k| Some((f64::from(k), low + 0.25 * width * f64::from(k))));
+        written(&Chart::new("", time_axis(), Axis::new("y", "m")).with(Series::line("", points)).to_svg())
+    };
+    for (low, width, title) in [(-0.981, 1e-7, "y + 0.981 (m)"), (4200.0, 1e-4, "y − 4200"), (1.0, 0.5, "y (m)")] {
+        let written = line(low, width);
+        assert!(written.iter().any(|(text, ..)| text.starts_with(title)), "{title} {written:?}");
+        // Right-aligned beside the frame, none reaches the title.
+        let labels = written.iter().filter(|(text, ..)| text.starts_with(|c: char| c == '−' || c.is_ascii_digit()));
+        let widest = labels.map(|(text, ..)| lettering::width(text)).fold(0.0, f64::max);
+        assert!(widest < 6.5, "{written:?}");
+    }
+}
+
+#[test]
+fn a_path_shorter_than_a_pixel_is_a_dot() {
+    let dots = |length: f64| {
+        let line = Series::line("", [Some((0.0, 0.0)), Some((length, 0.0))]);
+        let frame = Series::line("", [Some((0.0, 1.0)), Some((1.0, 1.0))]);
+        let svg = Chart::new("", Axis::new("x", ""), Axis::new("y", "")).with(line).with(frame).to_svg();
+        svg.matches("<circle").count()
+    };
+    assert_eq!([1e-5, 0.5].map(dots), [1, 0]);
+}
+
 #[test]
 fn any_numbers_make_a_chart() {
     let cases: [&[(f64, f64)]; 7] = [

@@ -5,6 +5,8 @@ use super::lettering;
 /// Names are shortened to this before one is left out, and stand so far apart, in parts of their size.
 const LONGEST: f64 = 6.0;
 const APART: f64 = 0.8;
+/// What is written at marks of a linear axis is no wider than this, in parts of its size: so much room there is to the left of a chart.
+const WIDEST: f64 = 6.0;
 /// The first and the last stand about marks near the edges of a page: so much room there is about these, and for each of the whole.
 const EDGE: (f64, f64) = (2.6, 0.09);
 
@@ -13,6 +15,8 @@ const EDGE: (f64, f64) = (2.6, 0.09);
 pub(super) struct Ticks {
     pub major: Vec<f64>,
     pub minor: Vec<f64>,
+    /// What is taken away from what is written at the marks, ` − 12.5`; empty where nothing is.
+    pub origin: String,
     labels: Vec<String>,
 }
 
@@ -30,9 +34,15 @@ impl Ticks {
         let (first, last) = ends(step);
         let count = (last - first).clamp(0.0, 100.0) as usize;
         let major: Vec<f64> = (0..=count).map(|i| (first + i as f64) * step).collect();
-        let largest = major.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
-        let labels = major.iter().map(|x| linear_label(*x, step, largest)).collect();
-        Ticks { major, minor: Vec::new(), labels }
+        let labels = linear_labels(&major, step);
+        let nearest = major.iter().fold(f64::INFINITY, |a: f64, x| a.min(x.abs()));
+        if nearest <= high - low || labels.iter().all(|label| lettering::width(label) <= WIDEST) {
+            return Ticks { major, labels, ..Ticks::default() };
+        }
+        // A round number in the middle, from which the others are counted in whole steps.
+        let middle = first + (count / 2) as f64;
+        let counted: Vec<f64> = (0..=count).map(|i| (first + i as f64 - middle) * step).collect();
+        Ticks { labels: linear_labels(&counted, step), origin: origin(middle * step, step), major, minor: Vec::new() }
     }
 
     /// These names at 1, 2, 3 …, thinned and shortened so that they fit into this room, in parts of their size.
@@ -44,8 +54,8 @@ impl Ticks {
         let places = (0..names.len()).step_by(stride);
         Ticks {
             major: places.clone().map(|place| place as f64 + 1.0).collect(),
-            minor: Vec::new(),
             labels: places.map(|place| lettering::fitted(&names[place], most)).collect(),
+            ..Ticks::default()
         }
     }
 
@@ -77,7 +87,7 @@ impl Ticks {
         };
         let plain = major.iter().all(|x| (0.009..1001.0).contains(x));
         let labels = major.iter().map(|x| if plain { format!("{x}") } else { log_label(*x) }).collect();
-        Ticks { major, minor, labels }
+        Ticks { major, minor, labels, origin: String::new() }
     }
 
     /// What is written at a major tick.
@@ -96,6 +106,20 @@ fn power(d: f64, k: i32) -> f64 {
 pub(super) fn round_step(raw: f64) -> f64 {
     let decade = raw.log10().floor() as i32;
     [1.0, 2.0, 5.0, 10.0].map(|d| power(d, decade)).into_iter().find(|step| *step >= raw * 0.999).unwrap_or(raw)
+}
+
+/// What is written at marks of a linear axis.
+fn linear_labels(marks: &[f64], step: f64) -> Vec<String> {
+    let largest = marks.iter().fold(0.0, |a: f64, x| a.max(x.abs()));
+    marks.iter().map(|x| linear_label(*x, step, largest)).collect()
+}
+
+/// ` − 12.5` for what is counted from 12.5, a multiple of a step.
+fn origin(value: f64, step: f64) -> String {
+    let decimals = (-(step.log10() + 1e-9).floor()).max(0.0) as usize;
+    let exact = format!("{:.decimals$}", value.abs());
+    let short = if decimals > 0 { exact.trim_end_matches('0').trim_end_matches('.') } else { &exact };
+    format!(" {} {short}", if value < 0.0 { '+' } else { '−' })
 }
 
 fn linear_label(value: f64, step: f64, largest: f64) -> String {
