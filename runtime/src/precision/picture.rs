@@ -156,17 +156,17 @@ pub(super) fn into_table(columns: &[&str], rows: impl Iterator<Item = Vec<String
     String::from_utf8(table.into_inner().expect(into_memory)).expect("names and numbers are text")
 }
 
-/// Crosses at the top of a chart: at the tolerance, or at the left where there is none.
+/// Crosses above a chart: at the tolerance, or at the left where there is none.
 fn failures(curve: &Curve) -> Vec<Failure> {
     let failed = curve.points.iter().filter_map(|point| Some((point, point.outcome.as_ref().err()?)));
     let place = |control: AccuracyControl| match control {
         AccuracyControl::Tolerance(tolerance) => tolerance,
-        AccuracyControl::Step(_) => 1.0,
+        AccuracyControl::Step(_) => f64::NAN,
     };
     let mut found: Vec<Failure> = Vec::new();
     for (point, code) in failed {
         let x = place(point.control);
-        match found.iter_mut().find(|failure| failure.x == x) {
+        match found.iter_mut().find(|failure| failure.x.total_cmp(&x).is_eq()) {
             Some(failure) if failure.label.contains(code) => {}
             Some(failure) => failure.label += &format!(", {code}"),
             None => found.push(Failure { x, label: (*code).to_owned() }),

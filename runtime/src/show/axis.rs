@@ -136,11 +136,6 @@ impl Extent {
         }
     }
 
-    /// Keeps this fraction at the upper end free of data.
-    pub fn reserve(&mut self, fraction: f64) {
-        self.high = self.at(1.0 / (1.0 - fraction.clamp(0.0, 0.5))).min(1e301);
-    }
-
     /// What is written beside the axis that this is the extent of.
     pub fn text(&self, axis: &Axis) -> String {
         axis.text_from(&self.ticks.origin)

@@ -73,7 +73,7 @@ pub struct Series {
     pub points: Vec<Option<(f64, f64)>>,
     /// Lines, marks or both.
     pub style: Style,
-    /// What failed: crosses at the top of the chart.
+    /// What failed: crosses above the chart.
     pub failures: Vec<Failure>,
     /// The place in the order of colours, where it is not that among the series: charts of one figure can agree.
     pub colour: Option<usize>,
@@ -139,7 +139,7 @@ pub enum Style {
 /// A point of a series that has no y, because what should give it failed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Failure {
-    /// Where it stands on the horizontal axis.
+    /// Where it stands on the horizontal axis; what has no place on that, as NaN, stands at its left.
     pub x: f64,
     /// Why, in a word; written beside the cross.
     pub label: String,
@@ -150,7 +150,7 @@ pub struct Failure {
 pub struct Instant {
     /// Where.
     pub x: f64,
-    /// What; written along its line where there is room.
+    /// What; written above its line where there is room.
     pub name: String,
 }
 

@@ -7,9 +7,9 @@ use super::axis::Extent;
 use super::compact::shortened;
 use super::legend;
 use super::lettering;
-use super::marks::{Pen, crosses, instants, slope};
+use super::marks::{Pen, crosses, height_of_names, instants, slope};
 use super::vector::Vector;
-use super::{Chart, Style};
+use super::{Chart, Failure, Style};
 use crate::error::Error;
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -43,8 +43,11 @@ const BELOW: i32 = 56;
 const TICK: i32 = 12;
 /// Charts with more series are as tall as those with slopes.
 const CROWD: usize = 7;
-/// Height of a row of crosses.
-const CROSSES: i32 = 18;
+/// Height of a row of crosses, px.  They stand in rows above the frame, where there is no axis on which they would have a value.
+const CROSSES: i32 = 14;
+
+/// How far to the left of the frame crosses stand that have no place on the axis, px.
+const SIDE: i32 = 14;
 
 /// Charts on one page, one below the other or in columns.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -196,8 +199,8 @@ fn draw<B: DrawingBackend>(canvas: &Canvas<B>, layout: &Layout<'_>) -> Outcome<B
 /// Height of a chart of this width on a page of so many rows, px; where axes are equal it follows the data.
 fn height(chart: &Chart, width: i32, rows: usize) -> i32 {
     let tallest = 530;
-    let around = TITLE + BELOW;
-    let crowded = chart.series.len() > CROWD || chart.series.iter().any(|series| !series.failures.is_empty());
+    let around = TITLE + above(chart) + BELOW;
+    let crowded = chart.series.len() > CROWD;
     match (chart.is_equal(), chart.slopes.is_empty() && !crowded, rows) {
         (true, ..) => {
             let (x, y) = fitted(chart);
@@ -211,6 +214,13 @@ fn height(chart: &Chart, width: i32, rows: usize) -> i32 {
     }
 }
 
+/// Height of what stands between the title and the frame, px: names of instants, and below them a row of crosses for each series with
+/// failures.
+fn above(chart: &Chart) -> i32 {
+    let rows = chart.series.iter().filter(|series| !series.failures.is_empty()).count() as i32;
+    height_of_names(&chart.instants) + rows * CROSSES
+}
+
 /// Replaces the size in tenths of a pixel by one in pixels, and shortens the text.
 pub(super) fn scaled_down(svg: &str, (width, height): (i32, i32)) -> String {
     let fine = format!("width=\"{}\" height=\"{}\"", width * FINE, height * FINE);
@@ -221,12 +231,13 @@ pub(super) fn scaled_down(svg: &str, (width, height): (i32, i32)) -> String {
 fn draw_chart<B: DrawingBackend>(chart: &Chart, canvas: &Canvas<B>, cell: Cell, names: Option<i32>) -> Outcome<B> {
     let title = if chart.title.is_empty() { MARGIN } else { TITLE };
     let Cell { left, top, height, .. } = cell;
-    let (width, inner_height) = (cell.width - LEFT - MARGIN, height - title - BELOW);
+    let frame = title + above(chart);
+    let (width, inner_height) = (cell.width - LEFT - MARGIN, height - frame - BELOW);
     let (x, y) = extents(chart, width, inner_height);
     let fine = |pixels: i32| (pixels * FINE) as u32;
     let mut builder = ChartBuilder::on(canvas);
     builder
-        .margin_top(fine(top + title))
+        .margin_top(fine(top + frame))
         .margin_bottom((canvas.dim_in_pixel().1 as i32 - (top + height) * FINE) as u32)
         .margin_left(fine(left))
         .margin_right(fine(WIDTH - left - cell.width + MARGIN))
@@ -253,8 +264,9 @@ fn draw_chart<B: DrawingBackend>(chart: &Chart, canvas: &Canvas<B>, cell: Cell, 
     }
     let happened = chart.instants.iter().filter(|instant| chart.x.has(instant.x) && x.contains(instant.x));
     let happened: Vec<_> = happened.map(|instant| (place(instant.x, y.at(0.0)).0, instant.name.as_str())).collect();
-    instants(canvas, &happened, ((top + title) * FINE, place(x.at(0.0), y.at(0.0)).1))?;
-    let mut rows = (1..).map(|row| (top + title + row * CROSSES - CROSSES / 4) * FINE);
+    let names_end = top + title + height_of_names(&chart.instants);
+    instants(canvas, &happened, (names_end * FINE, (top + frame) * FINE, (top + frame + inner_height) * FINE))?;
+    let mut rows = (0..).map(|row| (names_end + row * CROSSES + CROSSES / 2) * FINE);
     for (index, series) in chart.series.iter().enumerate() {
         let pen = Pen::of(chart, index);
         let inside = |&(a, b): &(f64, f64)| chart.x.has(a) && chart.y.has(b) && x.contains(a) && y.contains(b);
@@ -265,10 +277,15 @@ fn draw_chart<B: DrawingBackend>(chart: &Chart, canvas: &Canvas<B>, cell: Cell, 
         let fractions = line.iter().map(|point| point.map(|(a, b)| (x.fraction(a), y.fraction(b))));
         pen.line(canvas, within(fractions).into_iter().map(|point| point.map(at)))?;
         pen.marks(canvas, points)?;
-        let failures = series.failures.iter().filter(|failure| chart.x.has(failure.x) && x.contains(failure.x));
-        let failures: Vec<_> =
-            failures.map(|failure| (place(failure.x, y.at(1.0)).0, failure.label.as_str())).collect();
-        if let (false, Some(row)) = (failures.is_empty(), rows.next()) {
+        // What has no place on the axis stands at its side.
+        let side = |failure: &Failure| match chart.x.has(failure.x) && x.contains(failure.x) {
+            true => place(failure.x, y.at(1.0)).0,
+            false => (left + LEFT - SIDE) * FINE,
+        };
+        let failures: Vec<_> = series.failures.iter().map(|failure| (side(failure), failure.label.as_str())).collect();
+        if !failures.is_empty()
+            && let Some(row) = rows.next()
+        {
             crosses(canvas, &pen, row, &failures)?;
         }
     }
@@ -276,7 +293,7 @@ fn draw_chart<B: DrawingBackend>(chart: &Chart, canvas: &Canvas<B>, cell: Cell, 
         slope(canvas, triangle, &place)?;
     }
     if let Some(right) = names {
-        legend::draw(canvas, chart, (right + 14 - MARGIN, top + title + 4, inner_height))?;
+        legend::draw(canvas, chart, (right + 14 - MARGIN, top + frame + 4, inner_height))?;
     }
     let (middle, bottom) = (left + LEFT + width / 2, top + height);
     let about = |middle: i32, far: i32| f64::from(2 * middle.min(far - middle));
@@ -285,7 +302,7 @@ fn draw_chart<B: DrawingBackend>(chart: &Chart, canvas: &Canvas<B>, cell: Cell, 
     let room = about(middle - left, if last { WIDTH - left } else { cell.width });
     write(canvas, (&chart.title, room), (middle, top + TITLE / 2), &[16, 14, 12], FontTransform::None)?;
     write(canvas, (&x.text(&chart.x), room), (middle, bottom - 18), &[14, 12], FontTransform::None)?;
-    let (middle, room) = (top + title + inner_height / 2, about(title + inner_height / 2, height));
+    let (middle, room) = (top + frame + inner_height / 2, about(frame + inner_height / 2, height));
     write(canvas, (&y.text(&chart.y), room), (left + 11, middle), &[14, 12, 10], FontTransform::Rotate270)
 }
 
@@ -355,8 +372,6 @@ pub(super) fn text(size: i32) -> TextStyle<'static> {
 /// Axes for a chart of this inner size, px.
 fn extents(chart: &Chart, width: i32, height: i32) -> (Extent, Extent) {
     let (mut x, mut y) = fitted(chart);
-    let rows = chart.series.iter().filter(|series| !series.failures.is_empty()).count() as i32;
-    y.reserve(f64::from(rows * CROSSES) / f64::from(height));
     if chart.is_equal() {
         Extent::make_equal(&mut x, &mut y, f64::from(width), f64::from(height));
     }

@@ -2,7 +2,7 @@
 
 use super::compact::thinned;
 use super::figure::{Canvas, FINE, Outcome, text};
-use super::{Chart, Slope, Style, lettering};
+use super::{Chart, Instant, Slope, Style, lettering};
 use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -82,7 +82,9 @@ impl Pen {
             let piece = thinned(&piece);
             match (piece.as_slice(), self.dashes) {
                 ([], _) => {}
-                ([dot, rest @ ..], _) if rest.iter().all(|place| is_near(*dot, *place)) => canvas.draw(&Circle::new(*dot, 2 * FINE, self.colour.filled()))?,
+                ([dot, rest @ ..], _) if rest.iter().all(|place| is_near(*dot, *place)) => {
+                    canvas.draw(&Circle::new(*dot, 2 * FINE, self.colour.filled()))?
+                }
                 (_, None) => canvas.draw(&PathElement::new(piece, stroke))?,
                 (_, Some((dash, gap))) => {
                     canvas.draw(&DashedPathElement::new(piece, dash * FINE, gap * FINE, stroke))?
@@ -163,12 +165,24 @@ const MOST_LINES: usize = 20;
 const NAME: i32 = 10;
 const TICK: i32 = 8;
 
+/// Longer names than these are shortened, in parts of their size: they stand above the frame.
+const LONGEST_NAME: f64 = 9.0;
+
+/// How high the names of instants stand above a frame, px; none where there are ticks alone.
+pub(super) fn height_of_names(instants: &[Instant]) -> i32 {
+    if instants.is_empty() || instants.len() > MOST_LINES {
+        return 0;
+    }
+    let longest = instants.iter().map(|instant| lettering::width(&instant.name)).fold(0.0, f64::max);
+    (longest.min(LONGEST_NAME) * f64::from(NAME)).ceil() as i32 + 4
+}
+
 /// Lines, or ticks where they are many, at these places from left to right, between the top of the frame and the axis; names stand
-/// to the left of their lines where no line stands in their way.
+/// above the frame, between its top and where they end, but for those for which a neighbour leaves no room.
 pub(super) fn instants<B: DrawingBackend>(
     canvas: &Canvas<B>,
     places: &[(i32, &str)],
-    (top, bottom): (i32, i32),
+    (names_end, top, bottom): (i32, i32, i32),
 ) -> Outcome<B> {
     let colour = RGBColor(110, 110, 110);
     let many = places.len() > MOST_LINES;
@@ -177,11 +191,14 @@ pub(super) fn instants<B: DrawingBackend>(
     for (x, name) in places {
         canvas.draw(&PathElement::new([(*x, bottom), (*x, upper)], colour.mix(0.6).stroke_width(FINE as u32)))?;
         if !many && *x > taken {
-            let style = text(NAME).color(&colour).pos(Pos::new(HPos::Right, VPos::Center));
-            let name = lettering::fitted(name, f64::from(bottom - top) / f64::from(NAME * FINE) * 0.9);
-            let at = (x - (NAME / 2 + 2) * FINE, top + 3 * FINE);
-            canvas.draw(&Text::new(name, at, style.transform(FontTransform::Rotate270)))?;
-            taken = x + (NAME + 4) * FINE;
+            let style = text(NAME).color(&colour).pos(Pos::new(HPos::Left, VPos::Center));
+            let at = (*x, names_end - 2 * FINE);
+            canvas.draw(&Text::new(
+                lettering::fitted(name, LONGEST_NAME),
+                at,
+                style.transform(FontTransform::Rotate270),
+            ))?;
+            taken = x + (NAME + 2) * FINE;
         }
     }
     Ok(())

@@ -147,6 +147,50 @@ fn written(svg: &str) -> Vec<(String, f64, f64)> {
     texts.map(|node| (node.text().unwrap_or("").trim().to_owned(), place(&node, "x"), place(&node, "y"))).collect()
 }
 
+/// The lowest place of what is written so.
+fn lowest(written: &[(String, f64, f64)], text: &str) -> f64 {
+    written.iter().filter(|(own, ..)| own == text).map(|(.., y)| *y).fold(f64::NAN, f64::max)
+}
+
+#[test]
+fn failures_leave_the_axis_as_it_is_and_stand_above_the_frame() {
+    let chart = |failed: bool| {
+        let lines = (0..12).map(|k| {
+            let line = Series::marked_line("", [(1e-3, 10.0), (1e-6, 1000.0)].map(Some));
+            let x = if k == 1 { f64::NAN } else { 1e-3 };
+            // Those without failures take no row.
+            if failed && k % 2 == 1 { line.failed(x, "lost") } else { line }
+        });
+        lines.fold(Chart::new("", Axis::new("error", "").log(), Axis::new("work", "").log()), Chart::with)
+    };
+    let [without, with] = [false, true].map(|failed| written(&chart(failed).to_svg()));
+    let labels = |written: &[(String, f64, f64)]| {
+        let own = written.iter().filter(|(text, ..)| text != "lost").map(|(text, ..)| text.clone());
+        own.collect::<Vec<_>>()
+    };
+    assert_eq!(labels(&without), labels(&with));
+    // Above the highest mark of the vertical axis, which is at the frame or below it.
+    let highest = with.iter().find(|(text, ..)| text == "1000").unwrap().2;
+    assert!(lowest(&with, "lost") < highest, "{with:?}");
+    // One that has no place stands left of all others.
+    let crosses: Vec<f64> = with.iter().filter(|(text, ..)| text == "lost").map(|(_, x, _)| *x).collect();
+    assert_eq!(crosses.len(), 6);
+    assert!(crosses[1..].iter().all(|x| *x > crosses[0] + 10.0), "{crosses:?}");
+}
+
+#[test]
+fn names_of_instants_stand_above_the_curves() {
+    let line = Series::line("", [(0.0, 1.0), (1.0, 1.0), (2.0, 0.0)].map(Some));
+    let mut chart = Chart::new("", time_axis(), Axis::new("y", "m").every(1.0)).with(line);
+    chart.y.range = Some((0.0, 1.0));
+    chart.instants = [0.5, 2.0].map(|x| Instant { x, name: "lands".into() }).to_vec();
+    let svg = chart.to_svg();
+    let written = written(&svg);
+    let top = curves(&Document::parse(&svg).unwrap(), BLUE).concat().iter().map(|p| p.1).fold(f64::MAX, f64::min);
+    assert_eq!(written.iter().filter(|(text, ..)| text == "lands").count(), 2);
+    assert!(lowest(&written, "lands") <= top, "{written:?} {top}");
+}
+
 #[test]
 fn a_range_that_is_small_beside_its_values_is_counted_from_one_of_them() {
     let line = |low: f64, width: f64| {
