@@ -339,3 +339,12 @@ fn of_many_curves_evenly_spread_ones_are_drawn() {
     swept(&table, &["simple_pendulum", "--vary", "l=1,2", "--until", "0.1", "--show", "theta", "--plot", plot]);
     assert!(!fs::read_to_string(&picture).expect("a picture").contains("curves)"));
 }
+
+#[test]
+fn seeds_are_varied_once() {
+    let path = folder("seeds").join("all.csv");
+    let sweep = ["sweep", "mast_in_gusts", "--vary", "gust_seed=1,2", "--seeds", "1..3", "--csv"];
+    let refused = told(&[&sweep[..], &[path.to_str().expect("a path")]].concat()).expect_err("a refusal");
+    assert!(refused.contains("`gust_seed` is varied by --vary and by --seeds"), "{refused}");
+    assert!(!path.exists());
+}

@@ -86,6 +86,14 @@ impl Points {
             let list = whole_numbers(text)?;
             count = count.saturating_mul(list.len());
             varied.push(Varied { name: "seed".to_owned(), target: Target::Seeds });
+            let own = |index: usize| loaded.system.held_noise().iter().any(|noise| noise.seed == Some(index as u32));
+            let seed = |one: &&Varied| matches!(one.target, Target::Parameter(index) if own(index));
+            if let Some(seed) = varied.iter().find(seed) {
+                let name = &seed.name;
+                return Err(Problem::usage(format!(
+                    "`{name}` is varied by --vary and by --seeds, which sets the seeds of all noise; leave one of them out"
+                )));
+            }
             lists.push(list);
         }
         if count > MOST {
