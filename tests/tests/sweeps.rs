@@ -348,3 +348,28 @@ fn seeds_are_varied_once() {
     assert!(refused.contains("`gust_seed` is varied by --vary and by --seeds"), "{refused}");
     assert!(!path.exists());
 }
+
+#[test]
+fn a_row_with_other_values_is_not_taken_for_done() {
+    let path = folder("changed").join("all.csv");
+    let sweep = ["simple_pendulum", "--vary", "theta=0.1,0.25", "--until", "0.1", "--resume"];
+    let table = swept(&path, &sweep);
+    fs::write(&path, table.replacen("2.5000000000000000e-1", "9.5000000000000000e-1", 1)).expect("a table");
+    let again = [&["sweep"], &sweep[..], &["--csv", path.to_str().expect("a path")]].concat();
+    let refused = told(&again).expect_err("other values");
+    assert!(refused.contains("run 1 has other values than in this sweep"), "{refused}");
+}
+
+#[test]
+fn settings_without_meaning_leave_a_table_as_it_is() {
+    let path = folder("settings").join("all.csv");
+    let sweep = ["simple_pendulum", "--vary", "theta=0.1,0.2"];
+    let table = swept(&path, &[&sweep[..], &["--until", "0.1"]].concat());
+    for (option, value) in [("--every", "0"), ("--every", "-1"), ("--until", "-1")] {
+        let value = format!("{option}={value}");
+        let more = [&value, "--csv", path.to_str().expect("a path")];
+        let refused = told(&[&["sweep"], &sweep[..], &more].concat()).expect_err("a refusal");
+        assert!(refused.contains(&format!("{option} is ")) && refused.contains("expected"), "{refused}");
+        assert_eq!(fs::read_to_string(&path).expect("a table"), table);
+    }
+}

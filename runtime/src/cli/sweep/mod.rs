@@ -25,12 +25,12 @@ use super::modes::at_rest;
 use super::plotted::parts;
 use super::set_up::{Changes, choose, unknown};
 use super::{Context, Problem, outputs};
-use crate::Settings;
 use crate::ensemble::spread;
 use crate::mechanism::{Description, HIDDEN, Method, System};
 use crate::numbers::short;
 use crate::run::Names;
 use crate::show::{Axis, Chart, Figure, Series, unit};
+use crate::{Error, Settings};
 
 /// No more rows are printed.
 const MOST_ROWS: usize = 40;
@@ -207,12 +207,14 @@ fn compute(
     let names: Vec<String> = names.chain(["error".to_owned()]).collect();
     let kept = Kept::begin(path, &names, &experiment, options.get_flag("resume"))?;
     let there: HashSet<usize> = kept.done.iter().map(|row| row.run).collect();
-    let all: Vec<usize> = (shard..points.len()).step_by(shards).collect();
+    let all: Vec<usize> = (shard..sweep.points.len()).step_by(shards).collect();
     let left: Vec<usize> = all.iter().copied().filter(|run| !there.contains(run)).collect();
-    let sweep = Sweep { context, system: &*loaded.system, scene, changes, points, method, columns, modes };
     let rows = sweep.rows(&left, threads, &kept)?;
     let mut table = Table { names, rows: kept.done.into_iter().chain(rows).collect() };
+    let sweep = Sweep { context, system: &*loaded.system, scene, changes, points, method, columns, modes };
+    sweep.refuse_settings(options)?;
     table.sort()?;
+    sweep.refuse_other_values(path, &kept.done)?;
     kept::replace(path, &table, &experiment)?;
     Ok((table, all.len()))
 }
@@ -238,6 +240,43 @@ impl Sweep<'_> {
         let stopped = || interrupted.load(Ordering::Relaxed) || unwritten.get().is_some();
         let (done, shown) = (AtomicUsize::new(0), std::io::stderr().is_terminal());
         let first_note = OnceLock::new();
+    /// Refuses what no run can have, before anything is written: a spacing of 0, an end before the start.
+    fn refuse_settings(&self, options: &ArgMatches) -> Result<(), Problem> {
+        let settings = self.settings(&mut *self.system.boxed_clone(), &self.points.at(0));
+        match settings.check(self.system.description()) {
+            Err(Error::BadSetting { setting, value, expected })
+                if options.try_contains_id(setting).unwrap_or(false) =>
+            {
+                Err(Problem::usage(format!("--{setting} is {value}; expected {expected}")))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Refuses rows of a table whose values are not those that their runs have here.
+    fn refuse_other_values(&self, path: &str, rows: &[Row]) -> Result<(), Problem> {
+        for row in rows {
+            let wanted = if row.run < self.points.len() { self.points.at(row.run) } else { Vec::new() };
+            let own = row.cells.iter().take(wanted.len()).copied();
+            if wanted.is_empty() || own.ne(wanted.iter().copied().map(Some)) {
+                return Err(Problem::usage(format!("{path}: run {} has other values than in this sweep", row.run)));
+            }
+        }
+        Ok(())
+    }
+
+    /// What a run with these values starts from; what varies is set.
+    fn settings(&self, system: &mut dyn System, values: &[f64]) -> Settings {
+        let varied = || self.points.varied.iter().zip(values);
+        varied().for_each(|(varied, value)| varied.set(system, *value));
+        let mut settings = self.changes.of(Settings::of_scene(system, self.scene));
+        varied().for_each(|(varied, value)| varied.start(&mut settings, *value));
+        settings.method = self.method.unwrap_or(settings.method);
+        // Extremes are those of dense output.
+        settings.dense = true;
+        settings
+    }
+
         let rows = spread(runs.len(), threads, |place| {
             let row = self.row(runs[place], &stopped, &first_note)?;
             if let Err(problem) = kept.add(&row) {
@@ -267,17 +306,12 @@ impl Sweep<'_> {
         let values = self.points.at(run);
         let varied = || self.points.varied.iter().zip(&values);
         let mut system = self.system.boxed_clone();
-        varied().for_each(|(varied, value)| varied.set(&mut *system, *value));
+        let settings = self.settings(&mut *system, &values);
         let found = (self.modes > 0).then(|| at_rest(&*system, self.scene)).map(|found| {
             let (modes, untried) = found?;
             untried.into_iter().next().inspect(|note| _ = first_note.set(note.clone()));
             Ok(modes)
         });
-        let mut settings = self.changes.of(Settings::of_scene(&*system, self.scene));
-        varied().for_each(|(varied, value)| varied.start(&mut settings, *value));
-        settings.method = self.method.unwrap_or(settings.method);
-        // Extremes are those of dense output.
-        settings.dense = true;
         let outcome = crate::simulate_with(&mut *system, &settings, &mut |_| match stopped() {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
