@@ -373,3 +373,15 @@ fn settings_without_meaning_leave_a_table_as_it_is() {
         assert_eq!(fs::read_to_string(&path).expect("a table"), table);
     }
 }
+
+/// A ball that has landed is at 0 but for rounding, whatever its speed was.
+#[test]
+fn a_picture_is_not_scaled_to_rounding() {
+    let folder = folder("rounding");
+    let picture = folder.join("all.svg");
+    let plot = picture.to_str().expect("a path");
+    let sweep = ["cannon_ball", "--vary", "y'=20..60:3", "--show", "y", "--plot", plot];
+    swept(&folder.join("all.csv"), &sweep);
+    let text = fs::read_to_string(&picture).expect("a picture");
+    assert!(text.contains("y (m)") && !text.contains("·10"), "{text}");
+}

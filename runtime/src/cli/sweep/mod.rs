@@ -416,7 +416,8 @@ fn draw(loaded: &Loaded, table: &Table, varied: usize, shown: &[String], [x_log,
             failed.filter_map(|row| row.cells[0]).fold(line, |line, x| line.failed(x, ""))
         };
         let when = if columns.contains(name) { " at the end" } else { "" };
-        let (x, y) = (label(&table.names[1], x_log), label(name, y_log));
+        let (x, mut y) = (label(&table.names[1], x_log), label(name, y_log));
+        y.range = rounding_range(table, name);
         let values = |place: usize| table.rows.iter().filter_map(move |row| row.cells[place]);
         for (log, place, name) in [(x_log, 0, &table.names[1]), (y_log, place, name)] {
             let lost = values(place).filter(|value| *value <= 0.0).count();
@@ -459,6 +460,23 @@ fn evenly_spread(all: &[Combination]) -> Vec<&Combination> {
 
 /// The unit of a parameter, a coordinate, a rate or an output, `min`, `max` and `at the start` left aside.
 fn unit_of(description: &Description, name: &str) -> String {
+/// Values that differ by less than this part of how large they were in between do so by rounding: runs are no more accurate.
+const ROUNDING: f64 = 1e-12;
+
+/// An axis of what differs from run to run by rounding alone: as far as the values went in between; `None` where they differ by more.
+fn rounding_range(table: &Table, name: &str) -> Option<(f64, f64)> {
+    let values = |name: &str| {
+        let place = table.column(name);
+        table.rows.iter().filter_map(move |row| row.cells[place?])
+    };
+    let ends = values(name).fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+    let between =
+        ["min", "max"].map(|most| values(&format!("{most} {name}")).fold(0.0, |far: f64, x| far.max(x.abs())));
+    let far = between[0].max(between[1]);
+    let middle = 0.5 * (ends.0 + ends.1);
+    (ends.1 - ends.0 <= ROUNDING * far && far > 0.0).then_some((middle - far, middle + far))
+}
+
     let name = name.strip_prefix("min ").or_else(|| name.strip_prefix("max ")).unwrap_or(name);
     let name = name.strip_suffix(" at the start").unwrap_or(name);
     if let Some(parameter) = description.parameters.iter().find(|parameter| parameter.name == name) {
