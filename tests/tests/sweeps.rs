@@ -341,6 +341,38 @@ fn of_many_curves_evenly_spread_ones_are_drawn() {
 }
 
 #[test]
+fn units_stand_in_tables_and_legends() {
+    let folder = folder("named");
+    let (table, picture) = (folder.join("all.csv"), folder.join("all.svg"));
+    let (csv, plot) = (table.to_str().expect("a path"), picture.to_str().expect("a path"));
+    let sweep = ["sweep", "simple_pendulum", "--vary", "l=1,2", "--vary", "theta=0.1,0.2", "--until", "0.1"];
+    let shown = ["--show", "theta,max tension", "--csv", csv, "--plot", plot];
+    let text = told(&[&sweep[..], &shown].concat()).expect("a sweep");
+    let header = text.lines().next().expect("names");
+    for name in ["l (m)", "theta at the start (rad)", "theta (rad)", "max tension (N)"] {
+        assert!(header.contains(name), "{header}");
+    }
+    assert!(fs::read_to_string(&picture).expect("a picture").contains("theta at the start = 0.1 rad"));
+    let data: serde_json::Value =
+        serde_json::from_str(&told(&[&sweep[..], &["--csv", csv, "--json"]].concat()).expect("a sweep"))
+            .expect("an object");
+    let place = data["columns"].as_array().expect("names").iter().position(|name| name == "l").expect("what varies");
+    assert_eq!(data["units"][place], "m");
+}
+
+/// A ball that has landed is at 0 but for rounding, whatever its speed was.
+#[test]
+fn a_picture_is_not_scaled_to_rounding() {
+    let folder = folder("rounding");
+    let picture = folder.join("all.svg");
+    let plot = picture.to_str().expect("a path");
+    let sweep = ["cannon_ball", "--vary", "y'=20..60:3", "--show", "y", "--plot", plot];
+    swept(&folder.join("all.csv"), &sweep);
+    let text = fs::read_to_string(&picture).expect("a picture");
+    assert!(text.contains("y (m)") && !text.contains("·10"), "{text}");
+}
+
+#[test]
 fn seeds_are_varied_once() {
     let path = folder("seeds").join("all.csv");
     let sweep = ["sweep", "mast_in_gusts", "--vary", "gust_seed=1,2", "--seeds", "1..3", "--csv"];
@@ -372,16 +404,4 @@ fn settings_without_meaning_leave_a_table_as_it_is() {
         assert!(refused.contains(&format!("{option} is ")) && refused.contains("expected"), "{refused}");
         assert_eq!(fs::read_to_string(&path).expect("a table"), table);
     }
-}
-
-/// A ball that has landed is at 0 but for rounding, whatever its speed was.
-#[test]
-fn a_picture_is_not_scaled_to_rounding() {
-    let folder = folder("rounding");
-    let picture = folder.join("all.svg");
-    let plot = picture.to_str().expect("a path");
-    let sweep = ["cannon_ball", "--vary", "y'=20..60:3", "--show", "y", "--plot", plot];
-    swept(&folder.join("all.csv"), &sweep);
-    let text = fs::read_to_string(&picture).expect("a picture");
-    assert!(text.contains("y (m)") && !text.contains("·10"), "{text}");
 }

@@ -27,7 +27,7 @@ use super::set_up::{Changes, choose, unknown};
 use super::{Context, Problem, outputs};
 use crate::ensemble::spread;
 use crate::mechanism::{Description, HIDDEN, Method, System};
-use crate::numbers::short;
+use crate::numbers::{short, spaced};
 use crate::run::Names;
 use crate::show::{Axis, Chart, Figure, Series, unit};
 use crate::{Error, Settings};
@@ -89,9 +89,9 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
         None => failures(&table),
     };
     if options.get_flag("json") {
-        return write_outcome(as_json(&loaded.name, &table, &path), outcome, &mut *out);
+        return write_outcome(as_json(&loaded.name, loaded.system.description(), &table, &path), outcome, &mut *out);
     }
-    print(&table, varied, &shown, &mut *out)?;
+    print(&table, (varied, &shown), loaded.system.description(), &mut *out)?;
     for path in [Some(&path).filter(|path| *path != "-"), arrays].into_iter().flatten() {
         writeln!(out, "written: {path}")?;
     }
@@ -105,7 +105,7 @@ fn write_arrays(path: &str, table: &Table) -> Result<(), Problem> {
 }
 
 /// All rows of the table, those that failed with why.
-fn as_json(name: &str, table: &Table, path: &str) -> Value {
+fn as_json(name: &str, description: &Description, table: &Table, path: &str) -> Value {
     let row = |row: &Row| -> Value {
         let cells = row.cells.iter().map(|cell| cell.map_or(Value::Null, number));
         let run = std::iter::once(json!(row.run));
@@ -113,7 +113,14 @@ fn as_json(name: &str, table: &Table, path: &str) -> Value {
         run.chain(cells).chain(error).collect::<Vec<_>>().into()
     };
     let rows: Vec<Value> = table.rows.iter().map(row).collect();
-    object([("model", json!(name)), ("columns", json!(table.names)), ("rows", rows.into()), ("csv", json!(path))])
+    let units: Vec<Value> = table.names.iter().map(|name| json!(unit_of(description, name))).collect();
+    object([
+        ("model", json!(name)),
+        ("columns", json!(table.names)),
+        ("units", units.into()),
+        ("rows", rows.into()),
+        ("csv", json!(path)),
+    ])
 }
 
 /// Refuses files that cannot be written, or that the table is made from.
@@ -205,16 +212,16 @@ fn compute(
     let varied = points.varied.iter().map(Varied::column);
     let names = std::iter::once("run".to_owned()).chain(varied).chain(results(columns, description, modes));
     let names: Vec<String> = names.chain(["error".to_owned()]).collect();
+    let sweep = Sweep { context, system: &*loaded.system, scene, changes, points, method, columns, modes };
+    sweep.refuse_settings(options)?;
     let kept = Kept::begin(path, &names, &experiment, options.get_flag("resume"))?;
+    sweep.refuse_other_values(path, &kept.done)?;
     let there: HashSet<usize> = kept.done.iter().map(|row| row.run).collect();
     let all: Vec<usize> = (shard..sweep.points.len()).step_by(shards).collect();
     let left: Vec<usize> = all.iter().copied().filter(|run| !there.contains(run)).collect();
     let rows = sweep.rows(&left, threads, &kept)?;
     let mut table = Table { names, rows: kept.done.into_iter().chain(rows).collect() };
-    let sweep = Sweep { context, system: &*loaded.system, scene, changes, points, method, columns, modes };
-    sweep.refuse_settings(options)?;
     table.sort()?;
-    sweep.refuse_other_values(path, &kept.done)?;
     kept::replace(path, &table, &experiment)?;
     Ok((table, all.len()))
 }
@@ -233,13 +240,6 @@ struct Sweep<'a> {
 }
 
 impl Sweep<'_> {
-    /// The rows of these runs, which are kept as they finish; fewer where they were interrupted.
-    fn rows(&self, runs: &[usize], threads: Option<usize>, kept: &Kept<'_>) -> Result<Vec<Row>, Problem> {
-        let interrupted = self.context.interruption();
-        let unwritten = OnceLock::new();
-        let stopped = || interrupted.load(Ordering::Relaxed) || unwritten.get().is_some();
-        let (done, shown) = (AtomicUsize::new(0), std::io::stderr().is_terminal());
-        let first_note = OnceLock::new();
     /// Refuses what no run can have, before anything is written: a spacing of 0, an end before the start.
     fn refuse_settings(&self, options: &ArgMatches) -> Result<(), Problem> {
         let settings = self.settings(&mut *self.system.boxed_clone(), &self.points.at(0));
@@ -277,6 +277,13 @@ impl Sweep<'_> {
         settings
     }
 
+    /// The rows of these runs, which are kept as they finish; fewer where they were interrupted.
+    fn rows(&self, runs: &[usize], threads: Option<usize>, kept: &Kept<'_>) -> Result<Vec<Row>, Problem> {
+        let interrupted = self.context.interruption();
+        let unwritten = OnceLock::new();
+        let stopped = || interrupted.load(Ordering::Relaxed) || unwritten.get().is_some();
+        let (done, shown) = (AtomicUsize::new(0), std::io::stderr().is_terminal());
+        let first_note = OnceLock::new();
         let rows = spread(runs.len(), threads, |place| {
             let row = self.row(runs[place], &stopped, &first_note)?;
             if let Err(problem) = kept.add(&row) {
@@ -304,7 +311,6 @@ impl Sweep<'_> {
             return None;
         }
         let values = self.points.at(run);
-        let varied = || self.points.varied.iter().zip(&values);
         let mut system = self.system.boxed_clone();
         let settings = self.settings(&mut *system, &values);
         let found = (self.modes > 0).then(|| at_rest(&*system, self.scene)).map(|found| {
@@ -361,11 +367,21 @@ fn shown(options: &ArgMatches, results: &[String], columns: &[String]) -> Result
 }
 
 /// The first rows, with what varies and what is shown.
-fn print(table: &Table, varied: usize, shown: &[String], out: &mut dyn Write) -> Result<(), Problem> {
+fn print(
+    table: &Table,
+    (varied, shown): (usize, &[String]),
+    description: &Description,
+    out: &mut dyn Write,
+) -> Result<(), Problem> {
     let places: Vec<usize> = (0..varied).chain(shown.iter().filter_map(|name| table.column(name))).collect();
-    let mut lines = vec![
-        std::iter::once(&table.names[0]).chain(places.iter().map(|k| &table.names[1 + k])).cloned().collect::<Vec<_>>(),
-    ];
+    let title = |place: &usize| {
+        let name = &table.names[1 + place];
+        match unit_of(description, name).as_str() {
+            "" | "1" => name.clone(),
+            unit => format!("{name} ({unit})"),
+        }
+    };
+    let mut lines = vec![std::iter::once(table.names[0].clone()).chain(places.iter().map(title)).collect::<Vec<_>>()];
     for row in table.rows.iter().take(MOST_ROWS) {
         let cell = |k: &usize| row.cells[*k].map_or_else(|| "-".to_owned(), short);
         let failed = if row.error.is_empty() { None } else { Some("failed".to_owned()) };
@@ -386,8 +402,12 @@ fn print(table: &Table, varied: usize, shown: &[String], out: &mut dyn Write) ->
 /// A chart for each of what is shown, over the first of what varies; runs that failed are counted in its title, with a cross where each is.
 fn draw(loaded: &Loaded, table: &Table, varied: usize, shown: &[String], [x_log, y_log]: [bool; 2]) -> Figure {
     let columns = names(loaded.system.description());
+    let description = loaded.system.description();
+    let with_unit = |name: &str, value: Option<f64>| {
+        format!("{}{}", short(value.unwrap_or(f64::NAN)), spaced(&unit_of(description, name)))
+    };
     let label = |name: &str, log: bool| {
-        let axis = Axis::new(name, unit_of(loaded.system.description(), name));
+        let axis = Axis::new(name, unit_of(description, name));
         if log { axis.log() } else { axis }
     };
     let all = combinations(table, varied);
@@ -410,7 +430,7 @@ fn draw(loaded: &Loaded, table: &Table, varied: usize, shown: &[String], [x_log,
             let points = ends.map(|row| row.and_then(|row| Some((row.cells[0]?, row.cells[place]?))));
             let values = table.names[2..].iter().zip(other.iter());
             let title: Vec<String> =
-                values.map(|(name, value)| format!("{name} = {}", short(value.unwrap_or(f64::NAN)))).collect();
+                values.map(|(name, value)| format!("{name} = {}", with_unit(name, *value))).collect();
             let failed = table.rows.iter().filter(|row| row.cells[1..varied] == other[..] && !row.error.is_empty());
             let line = Series::marked_line(title.join(", "), points);
             failed.filter_map(|row| row.cells[0]).fold(line, |line, x| line.failed(x, ""))
@@ -440,6 +460,23 @@ fn draw(loaded: &Loaded, table: &Table, varied: usize, shown: &[String], [x_log,
     Figure::from(shown.iter().map(chart).collect::<Vec<_>>())
 }
 
+/// Values that differ by less than this part of how large they were in between do so by rounding: runs are no more accurate.
+const ROUNDING: f64 = 1e-12;
+
+/// An axis of what differs from run to run by rounding alone: as far as the values went in between; `None` where they differ by more.
+fn rounding_range(table: &Table, name: &str) -> Option<(f64, f64)> {
+    let values = |name: &str| {
+        let place = table.column(name);
+        table.rows.iter().filter_map(move |row| row.cells[place?])
+    };
+    let ends = values(name).fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+    let between =
+        ["min", "max"].map(|most| values(&format!("{most} {name}")).fold(0.0, |far: f64, x| far.max(x.abs())));
+    let far = between[0].max(between[1]);
+    let middle = 0.5 * (ends.0 + ends.1);
+    (ends.1 - ends.0 <= ROUNDING * far && far > 0.0).then_some((middle - far, middle + far))
+}
+
 /// Values of all that varies but the first.
 type Combination = Vec<Option<f64>>;
 
@@ -460,23 +497,6 @@ fn evenly_spread(all: &[Combination]) -> Vec<&Combination> {
 
 /// The unit of a parameter, a coordinate, a rate or an output, `min`, `max` and `at the start` left aside.
 fn unit_of(description: &Description, name: &str) -> String {
-/// Values that differ by less than this part of how large they were in between do so by rounding: runs are no more accurate.
-const ROUNDING: f64 = 1e-12;
-
-/// An axis of what differs from run to run by rounding alone: as far as the values went in between; `None` where they differ by more.
-fn rounding_range(table: &Table, name: &str) -> Option<(f64, f64)> {
-    let values = |name: &str| {
-        let place = table.column(name);
-        table.rows.iter().filter_map(move |row| row.cells[place?])
-    };
-    let ends = values(name).fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
-    let between =
-        ["min", "max"].map(|most| values(&format!("{most} {name}")).fold(0.0, |far: f64, x| far.max(x.abs())));
-    let far = between[0].max(between[1]);
-    let middle = 0.5 * (ends.0 + ends.1);
-    (ends.1 - ends.0 <= ROUNDING * far && far > 0.0).then_some((middle - far, middle + far))
-}
-
     let name = name.strip_prefix("min ").or_else(|| name.strip_prefix("max ")).unwrap_or(name);
     let name = name.strip_suffix(" at the start").unwrap_or(name);
     if let Some(parameter) = description.parameters.iter().find(|parameter| parameter.name == name) {
