@@ -65,3 +65,26 @@ fn json_says_what_the_text_says() {
         }
     }
 }
+
+/// What LaTeX sets in any document: letters of ASCII and commands, in lines that fit a page.
+#[test]
+fn latex_has_no_letters_of_other_scripts_and_breaks_its_lines() {
+    let file = std::env::temp_dir().join(format!("dalembert-greek-{}.yaml", std::process::id()));
+    let text = "name: Greek
+parameters: {m: 1 kg, λ: 1 m, g: 9.81 m/s^2, θ_0: 0.1 rad, длина: 1 m}
+coordinates: {φ: rad}
+bodies: {b: {mass: m, position: \"(λ + длина)*[sin(φ - θ_0), -cos(φ - θ_0)]\"}}
+gravity: [0, -g]
+scene: {start: {φ: 0.3}, until: 1}
+";
+    std::fs::write(&file, text).expect("a file");
+    let latex = shown(&[file.to_str().expect("a path"), "--latex"]);
+    std::fs::remove_file(&file).expect("the file");
+    assert!(latex.is_ascii() && latex.contains("\\ddot{\\phi}") && latex.contains("\\theta_{0}"), "{latex}");
+    assert!(latex.contains("\\mathrm{dlina}"), "{latex}");
+    for model in ["four_bar_minimal", "whipple_bicycle"] {
+        let latex = shown(&[model, "--latex"]);
+        let longest = latex.lines().map(str::len).max().unwrap_or(0);
+        assert!(longest < 1000 && latex.contains("& \\quad {} "), "{model}: a line of {longest} characters");
+    }
+}

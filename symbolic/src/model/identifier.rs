@@ -143,6 +143,7 @@ const GREEK: &[(char, &str)] = &[
     ('Ξ', "Xi"),
     ('Π', "Pi"),
     ('Σ', "Sigma"),
+    ('Υ', "Upsilon"),
     ('Φ', "Phi"),
     ('Ψ', "Psi"),
     ('Ω', "Omega"),
@@ -204,8 +205,13 @@ fn ascii(name: &str) -> String {
     plain
 }
 
+/// The name that physicists give a Greek letter.
+pub(crate) fn greek(c: char) -> Option<&'static str> {
+    GREEK.iter().find(|(letter, _)| *letter == c).map(|(_, name)| *name)
+}
+
 /// One character in ASCII; a space separates words of a script without them.
-fn spell(c: char) -> String {
+pub(crate) fn spell(c: char) -> String {
     if c.is_ascii_alphanumeric() || c == '_' {
         return c.into();
     }
@@ -215,8 +221,8 @@ fn spell(c: char) -> String {
         ']' | ' ' => return String::new(),
         _ => {}
     }
-    if let Some((_, word)) = GREEK.iter().find(|(greek, _)| *greek == c) {
-        return (*word).to_owned();
+    if let Some(name) = greek(c) {
+        return name.to_owned();
     }
     let Some(sound) = deunicode_char(c) else { return format!("u{:x}", u32::from(c)) };
     let letters = sound.chars().filter(|c| c.is_ascii_alphanumeric() || *c == ' ');

@@ -24,6 +24,7 @@ pub(crate) use expression::builder::is_of_units;
 pub use files::Files;
 pub use gimbals::Gimbal;
 pub use identifier::{KEYWORDS, METHODS, field_name, is_snake_case, local_name, method_name, type_name};
+pub(crate) use identifier::{greek, spell};
 pub use motion::{Closes, Goal, Image, Motion};
 pub(crate) use resolve::is_observed;
 pub(crate) use resolve::load_in_parts;

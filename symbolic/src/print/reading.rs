@@ -135,7 +135,7 @@ impl Reading {
         let row = |k: usize| writer.symbol(Symbol::Multiplier(k as u32)).replace("\\lambda_", "");
         let mut out = String::from("\\begin{align*}\n");
         for (sign, row) in &self.rows {
-            let _ = writeln!(out, "  & {} = 0 \\\\", writer.signed(*sign, row));
+            let _ = writeln!(out, "  & {} = 0 \\\\", writer.lines(*sign, row));
         }
         out += "  & M \\, \\ddot{q} + h = ";
         let constrained = self.entries.iter().any(|entry| matches!(entry, Entry::Constraint(_)));
@@ -156,10 +156,10 @@ impl Reading {
                 Entry::Friction(i, k) => format!("B_{{{},{}}}", coordinate(*i), row(*k)),
             };
             let negative = *negative != matches!(entry, Entry::Rate(_));
-            let _ = write!(out, " \\\\\n  {left} &= {}", writer.signed(negative, formula));
+            let _ = write!(out, " \\\\\n  {left} &= {}", writer.lines(negative, formula));
         }
         for (place, part) in self.formulas.parts.iter().enumerate() {
-            let _ = write!(out, " \\\\\n  {} &= {}", Latex::part(place), writer.signed(false, part));
+            let _ = write!(out, " \\\\\n  {} &= {}", Latex::part(place), writer.lines(false, part));
         }
         out + "\n\\end{align*}\n"
     }
