@@ -88,3 +88,16 @@ scene: {start: {φ: 0.3}, until: 1}
         assert!(longest < 1000 && latex.contains("& \\quad {} "), "{model}: a line of {longest} characters");
     }
 }
+
+/// A coordinate x and a mass M are no vector and no matrix.
+#[test]
+fn linear_equations_have_names_of_their_own() {
+    let text = shown(&["cart_pendulum", "--linear"]);
+    assert!(
+        text.starts_with("M_ x_'' + K x_ = 0, for small departures x_ from x = 0, theta = 0\nM_ = [[m + M, "),
+        "{text}"
+    );
+    let latex = shown(&["cart_pendulum", "--linear", "--latex"]);
+    assert!(latex.contains("\\mathbf{M} \\, \\ddot{\\mathbf{x}} + \\mathbf{K} \\, \\mathbf{x} = 0"), "{latex}");
+    assert!(latex.contains("\\mathbf{M} &= \\begin{pmatrix} m + M"), "{latex}");
+}

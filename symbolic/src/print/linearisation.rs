@@ -209,9 +209,12 @@ impl Linearisation {
         let names = |i: usize| &model.coordinates[i].name;
         let place: Vec<String> =
             self.place.iter().enumerate().map(|(i, value)| format!("{} = {}", names(i), text(model, value))).collect();
-        let mut out =
-            format!("{}, for small departures x from {}\n", self.equation(|name| name.to_owned()), place.join(", "));
+        let own = |name: &str| own_name(model, name);
+        let equation =
+            self.equation(|matrix, vector, dots| format!("{} {}{}", own(matrix), own(vector), "'".repeat(dots)));
+        let mut out = format!("{equation}, for small departures {} from {}\n", own("x"), place.join(", "));
         for (name, rows) in &self.matrices {
+            let name = own(name);
             let rows: Vec<Vec<String>> =
                 rows.iter().map(|row| row.iter().map(|value| text(model, value)).collect()).collect();
             let count = rows.first().map_or(0, Vec::len);
@@ -225,7 +228,7 @@ impl Linearisation {
                     format!("{:<width$}", format!("{cell}{end}"))
                 });
                 let (open, close) = (
-                    if i == 0 { format!("{name} = [[") } else { " ".repeat(5) + "[" },
+                    if i == 0 { format!("{name} = [[") } else { " ".repeat(name.chars().count() + 4) + "[" },
                     if i == last { "]" } else { "," },
                 );
                 let line = format!("{open}{}", cells.collect::<Vec<_>>().join(" "));
@@ -234,10 +237,10 @@ impl Linearisation {
         }
         if !self.inputs.is_empty() {
             let columns: Vec<String> = self.inputs.iter().map(|symbol| symbol_text(model, *symbol)).collect();
-            let _ = writeln!(out, "u = [{}]", columns.join(", "));
+            let _ = writeln!(out, "{} = [{}]", own("u"), columns.join(", "));
         }
         if let Some(frequency) = &self.frequency {
-            let _ = writeln!(out, "omega^2 = K/M = {}", text(model, frequency));
+            let _ = writeln!(out, "omega^2 = {}/{} = {}", own("K"), own("M"), text(model, frequency));
         }
         out
     }
@@ -250,18 +253,25 @@ impl Linearisation {
         let column = |entries: Vec<String>| format!("\\begin{{pmatrix}} {} \\end{{pmatrix}}", entries.join(" \\\\ "));
         let coordinates = column((0..self.place.len()).map(symbol).collect());
         let place = column(self.place.iter().map(signed).collect());
-        let equation = self.equation(|name| name.replace("x''", "\\ddot{x}").replace("x'", "\\dot{x}"));
-        let mut out = format!("\\begin{{align*}}\n  & {equation}, \\quad x = {coordinates}");
+        // Upright and bold, as no name of the file is.
+        let bold = |name: &str| format!("\\mathbf{{{name}}}");
+        let equation = self.equation(|matrix, vector, dots| {
+            let vector = bold(vector);
+            let moved = ["", "\\dot", "\\ddot"][dots];
+            format!("{} \\, {}", bold(matrix), if dots == 0 { vector } else { format!("{moved}{{{vector}}}") })
+        });
+        let mut out = format!("\\begin{{align*}}\n  & {equation}, \\quad {} = {coordinates}", bold("x"));
         if self.place.iter().any(|(_, value)| !matches!(&**value, Formula::Number(number) if number.to_f64() == 0.0)) {
             let _ = write!(out, " - {place}");
         }
         for (name, rows) in &self.matrices {
             let rows: Vec<String> =
                 rows.iter().map(|row| row.iter().map(signed).collect::<Vec<_>>().join(" & ")).collect();
-            let _ = write!(out, " \\\\\n  {name} &= {}", column(rows));
+            let _ = write!(out, " \\\\\n  {} &= {}", bold(name), column(rows));
         }
         if !self.inputs.is_empty() {
-            let _ = write!(out, " \\\\\n  u &= {}", column(self.inputs.iter().map(|s| writer.symbol(*s)).collect()));
+            let inputs = self.inputs.iter().map(|symbol| writer.symbol(*symbol)).collect();
+            let _ = write!(out, " \\\\\n  {} &= {}", bold("u"), column(inputs));
         }
         if let Some(frequency) = &self.frequency {
             let _ = write!(out, " \\\\\n  \\omega^{{2}} &= {}", signed(frequency));
@@ -269,13 +279,26 @@ impl Linearisation {
         out + "\n\\end{align*}\n"
     }
 
-    /// M x'' + C x' + K x = B u, of the matrices that are there.
-    fn equation(&self, written: impl Fn(&str) -> String) -> String {
+    /// M x'' + C x' + K x = B u, of the matrices that are there; each product by its matrix, its vector and the dots over that.
+    fn equation(&self, product: impl Fn(&str, &str, usize) -> String) -> String {
         let has = |name: &str| self.matrices.iter().any(|(known, _)| *known == name);
-        let terms = [("M", "M x''"), ("C", "C x'"), ("K", "K x")];
-        let left: Vec<String> = terms.iter().filter(|(name, _)| has(name)).map(|(_, term)| written(term)).collect();
-        format!("{} = {}", left.join(" + "), if has("B") { "B u" } else { "0" })
+        let terms = [("M", 2), ("C", 1), ("K", 0)].into_iter().filter(|(name, _)| has(name));
+        let left: Vec<String> = terms.map(|(name, dots)| product(name, "x", dots)).collect();
+        format!("{} = {}", left.join(" + "), if has("B") { product("B", "u", 0) } else { "0".to_owned() })
     }
+}
+
+/// A name for a matrix or a vector that no parameter, coordinate nor input has: with underscores behind it until it is none of them.
+fn own_name(model: &Model, name: &str) -> String {
+    let parameters = model.parameters.iter().map(|parameter| &parameter.name);
+    let parameters = parameters.chain(model.derived.iter().map(|derived| &derived.name));
+    let others = model.coordinates.iter().map(|coordinate| &coordinate.name);
+    let known: Vec<&String> = parameters.chain(others).chain(model.inputs.iter().map(|input| &input.name)).collect();
+    let mut own = name.to_owned();
+    while known.iter().any(|known| **known == own) {
+        own.push('_');
+    }
+    own
 }
 
 /// What takes the place of the state and the inputs at rest.
