@@ -421,3 +421,28 @@ fn generated_code_is_written_and_checked() {
     let (series, ..) = told(&done(&folder, &["generate", "good.yaml", "--methods", "taylor"]));
     assert!(series.contains("fn series()") && !code.contains("fn series()"), "{series}");
 }
+
+/// What cannot be tested beside its file says why.
+#[test]
+fn a_smaller_file_without_a_test_says_why() {
+    let folder = folder("untested");
+    let model = "name: Two\nparameters: {m: 1 kg, k: 1 N/m, f: 1e-9 N*s/m}\ncoordinates: {x: m}\n\
+                 bodies: {bob: {mass: m, position: \"[x, 0]\"}}\ngeneralized_forces: {x: \"-k*x + f*x'\"}\n\
+                 scene: {start: {x: 1}, until: 3}\n";
+    fs::write(folder.join("two.yaml"), model).expect("a file");
+    let write = ["--needs", "x", "--write", "small.yaml"];
+    let (said, problem, _) = told(&fed(&folder, model, &[&["needs", "-"], &write[..]].concat()));
+    assert!(
+        said.contains("no test is written beside small.yaml: the model came from standard input"),
+        "{said}{problem}"
+    );
+    let (said, problem, _) = told(&done(&folder, &[&["needs", "two.yaml", "--start", "x=2"], &write[..]].concat()));
+    assert!(said.contains("--set, --start and --until change the model"), "{said}{problem}");
+    assert!(!files(&folder).contains(&"small_test.rs".to_owned()));
+    for (option, value, why) in
+        [("--until", "0", "--until is 0"), ("--within", "2", "--within wants a part of the range")]
+    {
+        let (_, problem, status) = told(&done(&folder, &["needs", "two.yaml", "--needs", "x", option, value]));
+        assert!(status == Some(2) && problem.contains(why), "{problem}");
+    }
+}

@@ -50,10 +50,13 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     {
         outputs::write(path, &text)?;
         written.push(path.clone());
-        // A changed file would have to be compared with itself as it was asked.
-        if request.source == loaded.source {
-            outputs::write(&comparison, &test)?;
-            written.push(comparison);
+        match without_test(&request, &loaded) {
+            None => {
+                outputs::write(&comparison, &test)?;
+                written.push(comparison);
+            }
+            Some(why) if !said => writeln!(out, "no test is written beside {path}: {why}")?,
+            Some(_) => {}
         }
     }
     match written.as_slice() {
@@ -68,6 +71,15 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
 /// The table, or data; and how it ended.
 fn print(found: &Needs, as_data: bool, outcome: Result<(), Problem>, out: &mut dyn Write) -> Result<(), Problem> {
     if as_data {
+/// Why no test can compare the smaller file with the full one.
+fn without_test(request: &NeedsRequest, loaded: &Loaded) -> Option<&'static str> {
+    if loaded.path == "-" {
+        return Some("the model came from standard input, and a test wants its file");
+    }
+    (request.source != loaded.source)
+        .then_some("--params, --set, --start and --until change the model, and a test takes its file as it is")
+}
+
         return json::write_outcome(as_json(found), outcome, out);
     }
     write!(out, "{}", found.table())?;
