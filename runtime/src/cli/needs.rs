@@ -1,7 +1,7 @@
 //! `needs`: what a scene can do without.
 
 use std::io::{IsTerminal, Write};
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, RangeInclusive};
 
 use clap::ArgMatches;
 use dalembert_symbolic::model::Sets;
@@ -16,6 +16,9 @@ use crate::needs::{Deviation, ModelReduction, Need, Needs, NeedsError, NeedsRequ
 use crate::precision::Verified;
 use crate::run::plain;
 use crate::simulate::Interruption;
+
+/// Parts of a range by which something may be off: runs are not known better, and beyond nothing is like what it was.
+const PARTS: RangeInclusive<f64> = 1e-9..=0.5;
 
 /// Tries every ingredient of a model, prints what a scene does without, and writes the smaller file.
 pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
@@ -154,6 +157,9 @@ fn changed(loaded: &mut Loaded, options: &ArgMatches, mut request: NeedsRequest)
 }
 
 /// `small_test.rs` beside `small.yaml`.
+        if until <= 0.0 {
+            return Err(Problem::usage(format!("--until is {until}; expected a time after the start")));
+        }
 fn comparison_path(path: &str) -> String {
     format!("{}_test.rs", path.strip_suffix(".yaml").unwrap_or(path))
 }
@@ -258,8 +264,10 @@ pub fn request(loaded: &mut Loaded, options: &ArgMatches) -> Result<NeedsRequest
     };
     let within = match within {
         None => said.within,
-        Some(text) => text.trim().parse().map_err(|_| {
-            Problem::usage(format!("--within wants a part of the range of each, such as 1e-3, not `{text}`"))
+        Some(text) => text.trim().parse().ok().filter(|part| PARTS.contains(part)).ok_or_else(|| {
+            Problem::usage(format!(
+                "--within wants a part of the range of each, from 1e-9 to 0.5, such as 1e-3, not `{text}`"
+            ))
         })?,
     };
     request.need = Some(Need { outputs, within, absolute });
