@@ -446,3 +446,14 @@ fn a_smaller_file_without_a_test_says_why() {
         assert!(status == Some(2) && problem.contains(why), "{problem}");
     }
 }
+
+/// What looks like degrees is said wherever the file runs, and is no error.
+/// One input is no model and values too.
+#[test]
+fn standard_input_is_read_for_one_thing() {
+    let folder = folder("twice");
+    for (command, option) in [("simulate", "--params"), ("sweep", "--points"), ("needs", "--params")] {
+        let (_, problem, status) = told(&fed(&folder, MODEL, &[command, "-", option, "-"]));
+        assert!(status == Some(2) && problem.contains("standard input is the model already"), "{command}: {problem}");
+    }
+}

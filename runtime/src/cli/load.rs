@@ -131,6 +131,17 @@ fn not_utf8(path: &str, bytes: &[u8]) -> String {
 /// No longer model file is read from standard input, bytes: it may have no end.
 const LONGEST_INPUT: u64 = 1 << 26;
 
+/// Refuses standard input for an option where it is the model already.
+///
+/// # Errors
+/// [`Problem::Usage`].
+pub(super) fn refuse_model_again(loaded: &Loaded, option: &str, path: &str) -> Result<(), Problem> {
+    match (loaded.path.as_str(), path) {
+        ("-", "-") => Err(Problem::usage(format!("--{option} -: standard input is the model already; name a file"))),
+        _ => Ok(()),
+    }
+}
+
 /// What stands on standard input, which is read once.
 pub(super) fn standard_input() -> Result<String, Problem> {
     static TEXT: OnceLock<String> = OnceLock::new();

@@ -8,7 +8,7 @@ use dalembert_symbolic::model::Sets;
 use serde_json::{Value, json};
 
 use super::json::{self, number, object};
-use super::load::{Loaded, pairs};
+use super::load::{Loaded, pairs, refuse_model_again};
 use super::plotted::filled_parts;
 use super::set_up::{Reader, like_output, parameter_index, unknown};
 use super::{Context, Problem, outputs, value_files};
@@ -71,9 +71,6 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     Ok(())
 }
 
-/// The table, or data; and how it ended.
-fn print(found: &Needs, as_data: bool, outcome: Result<(), Problem>, out: &mut dyn Write) -> Result<(), Problem> {
-    if as_data {
 /// Why no test can compare the smaller file with the full one.
 fn without_test(request: &NeedsRequest, loaded: &Loaded) -> Option<&'static str> {
     if loaded.path == "-" {
@@ -83,6 +80,9 @@ fn without_test(request: &NeedsRequest, loaded: &Loaded) -> Option<&'static str>
         .then_some("--params, --set, --start and --until change the model, and a test takes its file as it is")
 }
 
+/// The table, or data; and how it ended.
+fn print(found: &Needs, as_data: bool, outcome: Result<(), Problem>, out: &mut dyn Write) -> Result<(), Problem> {
+    if as_data {
         return json::write_outcome(as_json(found), outcome, out);
     }
     write!(out, "{}", found.table())?;
@@ -129,7 +129,13 @@ fn changed(loaded: &mut Loaded, options: &ArgMatches, mut request: NeedsRequest)
     let usage = Problem::usage;
     let mut reader = Reader::default();
     let mut set: Vec<(usize, String, String)> = Vec::new();
-    let given = options.get_one::<String>("params").map_or_else(|| Ok(Vec::new()), |path| value_files::read(path))?;
+    let given = match options.get_one::<String>("params") {
+        Some(path) => {
+            refuse_model_again(loaded, "params", path)?;
+            value_files::read(path)?
+        }
+        None => Vec::new(),
+    };
     for (name, text) in given.into_iter().chain(pairs(options, "set")?) {
         set.push((parameter_index(loaded, &name)?, name, text));
     }
@@ -151,15 +157,15 @@ fn changed(loaded: &mut Loaded, options: &ArgMatches, mut request: NeedsRequest)
     }
     if let Some(text) = options.get_one::<String>("until") {
         let until = reader.value(loaded, "until", Sets::Time, text)?;
+        if until <= 0.0 {
+            return Err(Problem::usage(format!("--until is {until}; expected a time after the start")));
+        }
         request = request.ending(&plain(until)).map_err(usage)?;
     }
     Ok(request)
 }
 
 /// `small_test.rs` beside `small.yaml`.
-        if until <= 0.0 {
-            return Err(Problem::usage(format!("--until is {until}; expected a time after the start")));
-        }
 fn comparison_path(path: &str) -> String {
     format!("{}_test.rs", path.strip_suffix(".yaml").unwrap_or(path))
 }

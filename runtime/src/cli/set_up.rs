@@ -8,7 +8,7 @@ use dalembert_symbolic::model::{Model, Sets, looks_like_degrees};
 use dalembert_symbolic::{diagnose, file, gate, lower};
 
 use super::arguments::MOTION;
-use super::load::{Loaded, pairs};
+use super::load::{Loaded, pairs, refuse_model_again};
 use super::plotted::filled_parts;
 use super::{Context, Problem, outputs, value_files};
 use crate::mechanism::{Interpreted, Method, System};
@@ -124,6 +124,7 @@ fn choose_scene(loaded: &mut Loaded, options: &ArgMatches, scene: usize) -> Resu
     }
     let mut reader = Reader::default();
     if let Some(path) = options.get_one::<String>("params") {
+        refuse_model_again(loaded, "params", path)?;
         value_files::parameters(loaded, &mut reader, path)?;
     }
     for (name, text) in pairs(options, "set")? {

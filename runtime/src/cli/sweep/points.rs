@@ -6,7 +6,7 @@ use dalembert_symbolic::print::fnv1a;
 
 use crate::Settings;
 use crate::cli::Problem;
-use crate::cli::load::{Loaded, pairs, standard_input};
+use crate::cli::load::{Loaded, pairs, refuse_model_again, standard_input};
 use crate::cli::set_up::{Place, Reader, parameter_index, place_in_state, start_at, unknown, with_unit_of};
 use crate::mechanism::System;
 
@@ -49,7 +49,10 @@ impl Points {
         let seeds = options.get_one::<String>("seeds");
         let points = match (grid.is_empty() && seeds.is_none(), list) {
             (false, None) => Points::grid(loaded, reader, &grid, seeds)?,
-            (true, Some(path)) => Points::list(loaded, path)?,
+            (true, Some(path)) => {
+                refuse_model_again(loaded, "points", path)?;
+                Points::list(loaded, path)?
+            }
             _ => {
                 let wanted = "a sweep wants --vary NAME=A..B:COUNT, --seeds A..B, or --points FILE.csv";
                 return Err(Problem::usage(wanted));
@@ -83,9 +86,6 @@ impl Points {
             if loaded.system.held_noise().iter().all(|noise| noise.seed.is_none()) {
                 return Err(Problem::usage(format!("--seeds: {} has no noise with a seed of its own", loaded.name)));
             }
-            let list = whole_numbers(text)?;
-            count = count.saturating_mul(list.len());
-            varied.push(Varied { name: "seed".to_owned(), target: Target::Seeds });
             let own = |index: usize| loaded.system.held_noise().iter().any(|noise| noise.seed == Some(index as u32));
             let seed = |one: &&Varied| matches!(one.target, Target::Parameter(index) if own(index));
             if let Some(seed) = varied.iter().find(seed) {
@@ -94,6 +94,9 @@ impl Points {
                     "`{name}` is varied by --vary and by --seeds, which sets the seeds of all noise; leave one of them out"
                 )));
             }
+            let list = whole_numbers(text)?;
+            count = count.saturating_mul(list.len());
+            varied.push(Varied { name: "seed".to_owned(), target: Target::Seeds });
             lists.push(list);
         }
         if count > MOST {
