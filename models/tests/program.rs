@@ -67,6 +67,11 @@ fn exit_codes_are_those_of_the_help() {
     assert_eq!(code(&["sweep", "good.yaml", "--points", "none.csv"]), Some(2));
     assert_eq!(code(&["solve", "good.yaml", "--unknown", "x=1"]), Some(2));
     assert_eq!(code(&["simulate", "good.yaml", "--csv", "good.yaml"]), Some(2));
+    // A file in another encoding is there, and is no text, whatever it is read for.
+    fs::write(folder.join("latin.yaml"), b"name: B\xe9b\n").expect("a file");
+    assert_eq!(code(&["check", "latin.yaml"]), Some(1));
+    assert_eq!(code(&["import", "latin.yaml"]), Some(1));
+    assert_eq!(code(&["sweep", "good.yaml", "--points", "latin.yaml"]), Some(1));
     let (help, _, status) = told(&done(&folder, &["--help"]));
     assert_eq!(status, Some(0));
     for line in

@@ -121,7 +121,7 @@ fn meant(models: &[Entry], name: &str) -> String {
 }
 
 /// What is said of a text in another encoding than that of YAML.
-fn not_utf8(path: &str, bytes: &[u8]) -> String {
+pub(super) fn not_utf8(path: &str, bytes: &[u8]) -> String {
     let wide = bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]);
     let from = if wide { "UTF-16" } else { "LATIN1" };
     let is = if wide { "UTF-16, not UTF-8" } else { "not UTF-8" };

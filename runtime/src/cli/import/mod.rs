@@ -27,7 +27,7 @@ use dalembert_symbolic::diagnose::{Place, Problem as Mistake};
 use dalembert_symbolic::file::render;
 use dalembert_symbolic::model;
 
-use super::load::standard_input;
+use super::load::{not_utf8, standard_input};
 use super::{Problem, outputs};
 use plan::Plan;
 use robot::{Joint, Kind, Limits, Link, Pose, Robot};
@@ -42,8 +42,7 @@ pub fn run(options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
         "-" => standard_input()?,
         _ => {
             let bytes = std::fs::read(from).map_err(|problem| Problem::unread(from, &problem))?;
-            String::from_utf8(bytes)
-                .map_err(|_| Problem::usage(format!("{from} is not UTF-8; `iconv -t UTF-8 {from}` makes it so")))?
+            String::from_utf8(bytes).map_err(|e| Problem::File(not_utf8(from, e.as_bytes())))?
         }
     };
     let stem = Path::new(from).file_stem().filter(|_| from != "-");
