@@ -113,6 +113,22 @@ fn what_makes_no_sense_is_refused_before_anything_runs() {
 }
 
 /// Reported at half periods, where y is 0 but for rounding, an orbit is measured by how far it goes between them.
+/// Without a run there is nothing to chart.
+#[test]
+fn too_few_steps_and_no_returns_are_refused() {
+    let (svg, csv) = (file("none.svg"), file("none.csv"));
+    for (option, value, why) in [
+        ("--max-steps", "5", "--max-steps 5 leaves no method a run"),
+        ("--returns", "0", "--returns wants a number of periods, 1 or more, not `0`"),
+    ] {
+        let kind = if option == "--returns" { [].as_slice() } else { &["--steps"] };
+        let arguments =
+            ["simple_pendulum", "--methods", "rk4", option, value, "--plot", text(&svg), "--csv", text(&csv)];
+        let refused = told(&[&arguments[..], kind].concat()).expect_err("a refusal");
+        assert!(refused.contains(why), "{refused}");
+    }
+}
+
 #[test]
 fn what_is_reported_where_it_vanishes_is_measured_by_where_it_goes() {
     let orbit = file("orbit.yaml");

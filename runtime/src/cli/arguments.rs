@@ -393,7 +393,7 @@ fn chart() -> Command {
         .arg(quiet())
         .args(scene().into_iter().filter(|arg| arg.get_id() != "tolerance"))
         .arg(flag("steps", "Chart errors against step sizes instead, halved down to rounding, with the order that each method shows; methods with error control only where --methods names them").conflicts_with_all(["twin", "needs", "within"]))
-        .arg(value("returns", "COUNT", "Chart instead how far methods miss the start of a motion that repeats, each time that it should be back, for so many periods; the motion is the one that `orbit` finds from here").value_parser(clap::value_parser!(u64).range(1..)).conflicts_with_all(["steps", "twin", "needs", "within", "until"]))
+        .arg(value("returns", "COUNT", "Chart instead how far methods miss the start of a motion that repeats, each time that it should be back, for so many periods; the motion is the one that `orbit` finds from here").value_parser(clap::value_parser!(u64)).conflicts_with_all(["steps", "twin", "needs", "within", "until"]))
         .arg(value("motion", "NAME", "With --returns: a motion of the file that closes").id(MOTION).requires("returns").conflicts_with("scene"))
         .arg(value("state", "FILE", "A state to start from, as --save writes it, or - for standard input; --start goes before"))
         .arg(value("methods", "A,B", "Only these methods [default: all that suit]"))

@@ -46,6 +46,11 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
         })?;
         let outcome = unless_broken_off(&interruption);
         return steps::report(&found, &files, (options.get_flag("json"), outcome), (table, out));
+        if outcome.is_ok() && found.curves.iter().all(|curve| curve.points.is_empty()) {
+            return Err(Problem::usage(format!(
+                "--max-steps {max_steps} leaves no method a run: even their longest steps are more of them"
+            )));
+        }
     }
     let twin = options
         .get_one::<String>("twin")
@@ -69,6 +74,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
             },
         ));
     }
+        Some(0) => return Err(Problem::usage("--returns wants a number of periods, 1 or more, not `0`")),
     let plan = Plan { columns, ..Plan::default() };
     let model = loaded.to_interpret(options);
     let goes_round = match options.get_one::<u64>("returns") {
