@@ -462,3 +462,28 @@ fn standard_input_is_read_for_one_thing() {
         assert!(status == Some(2) && problem.contains("standard input is the model already"), "{command}: {problem}");
     }
 }
+
+/// A motion of a pendulum that starts elsewhere is no twin.
+#[test]
+fn a_twin_that_starts_elsewhere_is_warned_of() {
+    let folder = folder("twin");
+    let twin = |start: &str| {
+        format!(
+            "name: Bob\nparameters: {{k: 1 1/s^2}}\ncoordinates: {{x: m}}\nkinetic_energy: x'^2/2\n\
+             potential_energy: k*x^2/2\noutputs: {{far: x}}\nscene: {{start: {{x: {start}}}, until: 1}}\n"
+        )
+    };
+    for (name, start) in [("one", "1"), ("same", "1"), ("other", "2")] {
+        fs::write(folder.join(format!("{name}.yaml")), twin(start)).expect("a file");
+    }
+    let chart = |twin: &str| {
+        let methods = ["chart", "one.yaml", "--methods", "dop853", "--twin", twin, "--plot", "a.svg", "--csv", "a.csv"];
+        told(&done(&folder, &methods)).1
+    };
+    assert!(
+        chart("other.yaml").contains("other.yaml starts elsewhere: far is 2 there and 1 here"),
+        "{}",
+        chart("other.yaml")
+    );
+    assert!(!chart("same.yaml").contains("elsewhere"), "{}", chart("same.yaml"));
+}

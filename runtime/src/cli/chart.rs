@@ -13,6 +13,7 @@ use super::set_up::{motion_index, origin, set_up};
 use super::{Context, Problem, needs, orbit, outputs};
 use crate::mechanism::{Description, Interpreted, Method, System};
 use crate::needs::Needs;
+use crate::numbers::short;
 use crate::orbit::{Orbit, OrbitSearch};
 use crate::precision::{Candidate, Convergence, DoubleOnly, Fidelity, Plan, Reference, WorkPrecision};
 use crate::simulate::Interruption;
@@ -45,12 +46,12 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
             Convergence::measure_extended(&candidates, &plan, model.as_ref().map_err(|why| *why), progress)
         })?;
         let outcome = unless_broken_off(&interruption);
-        return steps::report(&found, &files, (options.get_flag("json"), outcome), (table, out));
         if outcome.is_ok() && found.curves.iter().all(|curve| curve.points.is_empty()) {
             return Err(Problem::usage(format!(
                 "--max-steps {max_steps} leaves no method a run: even their longest steps are more of them"
             )));
         }
+        return steps::report(&found, &files, (options.get_flag("json"), outcome), (table, out));
     }
     let twin = options
         .get_one::<String>("twin")
@@ -63,21 +64,17 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
         if ways.is_empty() {
             ways.push(Candidate::new(loaded.name.as_str(), &*loaded.system, by_dop853));
         }
-        ways.push(Candidate::new(
-            name,
-            &*system,
-            Settings {
-                method: Method::Dop853,
-                until: ways[0].settings.until,
-                interruption: interruption.clone(),
-                ..settings
-            },
-        ));
+        let until = ways[0].settings.until;
+        let settings = Settings { method: Method::Dop853, until, interruption: interruption.clone(), ..settings };
+        if let Some(warning) = starts_elsewhere(&ways[0], (&name, &*system, &settings), &columns) {
+            eprintln!("warning: {warning}");
+        }
+        ways.push(Candidate::new(name, &*system, settings));
     }
-        Some(0) => return Err(Problem::usage("--returns wants a number of periods, 1 or more, not `0`")),
     let plan = Plan { columns, ..Plan::default() };
     let model = loaded.to_interpret(options);
     let goes_round = match options.get_one::<u64>("returns") {
+        Some(0) => return Err(Problem::usage("--returns wants a number of periods, 1 or more, not `0`")),
         Some(count) => Some((found_orbit(&loaded, options, &settings)?, *count as usize)),
         None => None,
     };
@@ -192,6 +189,33 @@ fn twin(
         )));
     }
     Ok((format!("{name} (minimal)"), other.system, Settings::new(&scene)))
+}
+
+/// Starts that differ by more than this part of the largest value are not the same but for rounding of what closes them.
+const ELSEWHERE: f64 = 1e-8;
+
+/// That the twin starts elsewhere, if it does: its errors are then those of its start.
+fn starts_elsewhere(
+    first: &Candidate,
+    (name, system, settings): (&str, &dyn System, &Settings),
+    columns: &[String],
+) -> Option<String> {
+    let start = |system: &dyn System, settings: &Settings| -> Option<Vec<f64>> {
+        let settings = Settings { until: settings.from, ..settings.clone() };
+        let run =
+            crate::simulate_with(&mut *system.boxed_clone(), &settings, &mut |_| ControlFlow::Continue(())).ok()?;
+        columns.iter().map(|column| run.column(column)?.first().copied()).collect()
+    };
+    let (here, there) = (start(&*first.system, &first.settings)?, start(system, settings)?);
+    let largest = here.iter().chain(&there).fold(0.0, |most: f64, x| most.max(x.abs()));
+    let apart = |k: &usize| (here[*k] - there[*k]).abs();
+    let worst = (0..columns.len()).max_by(|a, b| apart(a).total_cmp(&apart(b)))?;
+    (apart(&worst) > ELSEWHERE * largest).then(|| {
+        let (column, [here, there]) = (&columns[worst], [here, there].map(|values| short(values[worst])));
+        format!(
+            "{name} starts elsewhere: {column} is {there} there and {here} here, and its errors are those of its start"
+        )
+    })
 }
 
 /// Outputs, component by component, as runs name them.
