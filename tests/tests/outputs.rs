@@ -412,3 +412,13 @@ fn json_is_one_object_whatever_happens() {
     }
     fs::remove_dir_all(folder).expect("removed");
 }
+
+/// Orders and critical speeds are of a speed of rotation; a length has frequencies alone.
+#[test]
+fn only_a_speed_has_critical_speeds() {
+    let folder = folder("campbell");
+    let picture = folder.join("campbell.svg").to_string_lossy().into_owned();
+    let text = told(&["modes", "simple_pendulum", "--vary", "l=1..2", "--campbell", &picture]).expect("modes");
+    assert!(!text.contains("critical speeds"), "{text}");
+    fs::remove_dir_all(folder).expect("removed");
+}

@@ -25,7 +25,7 @@ pub struct Locus {
     range: (f64, f64),
     coordinates: Vec<String>,
     branch: Branch,
-    /// Where orders of the speed meet frequencies; `None` where nobody asks.
+    /// Where orders of the speed meet frequencies; `None` where nobody asks, and of what is no speed.
     critical: Option<Vec<CriticalSpeed>>,
 }
 
@@ -70,7 +70,8 @@ impl Locus {
                 let chart = drawn_frequencies(&parameter, &unit, &steps, &orders);
                 let marks = Series::marks("critical", found.iter().map(|met| Some((met.value, met.omega))));
                 outputs::draw(path, if found.is_empty() { chart } else { chart.with(marks) })?;
-                critical = Some(found);
+                // Orders are of a speed of rotation.
+                critical = (!orders.is_empty()).then_some(found);
             }
         }
         let coordinates = start.coordinates.clone();
