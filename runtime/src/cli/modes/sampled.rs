@@ -138,7 +138,7 @@ fn thresholds(found: &SampledLoop, system: &dyn System, out: &mut dyn Write) -> 
         event.map_or_else(String::new, |event| format!(" of `{}`", event.name))
     };
     let at = |factor: f64| {
-        let of = |(clock, every): &(usize, f64)| format!("{:?} s{}", factor * every, name(*clock));
+        let of = |(clock, every): &(usize, f64)| format!("{} s{}", rounded(factor * every), name(*clock));
         clocks.iter().map(of).collect::<Vec<_>>().join(", ")
     };
     let other = if found.alone.is_empty() { "" } else { " other" };
@@ -170,6 +170,11 @@ fn thresholds(found: &SampledLoop, system: &dyn System, out: &mut dyn Write) -> 
         writeln!(out, "  {} of the same value stays; `every: {}` lets it follow", quoted(&stays), stays[0])?;
     }
     Ok(())
+}
+
+/// A period with ten digits: rounding of eigenvalues takes the rest.
+fn rounded(period: f64) -> f64 {
+    format!("{period:.9e}").parse().unwrap_or(period)
 }
 
 /// Parameters that have the value of a period, of which no clock is made.
