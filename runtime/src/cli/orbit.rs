@@ -14,11 +14,11 @@ use super::sweep::points;
 use super::{Context, Problem, families, outputs, stability_maps, value_files};
 use crate::error::{Error, NearReturn, NoOrbit, StuckInWords};
 use crate::find::Value;
-use crate::mechanism::Goal;
+use crate::mechanism::{Description, Goal};
 use crate::numbers::{counted, spaced};
 use crate::orbit::{ExtendedOrbit, ExtendedValue, Family, Multiplier, Orbit, OrbitSearch, StabilityMap};
 use crate::run::{Run, written};
-use crate::show::{has_units, unit};
+use crate::show::{Figure, has_units, unit};
 
 /// Searches, and prints what was found.
 pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
@@ -35,7 +35,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
             Err(error) => return Err(failed(&loaded, &error, options, out)?),
         };
         if let Some(path) = options.get_one::<String>("plot") {
-            outputs::draw(path, family.figure())?;
+            outputs::draw(path, with_units(family.figure(), loaded.system.description()))?;
         }
         families::report(&loaded, &family, options, out)?;
         return unless_broken_off(family.interrupted);
@@ -43,7 +43,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     if let Some(text) = options.get_one::<String>("map") {
         let map = mapped(search, &loaded, text)?;
         if let Some(path) = options.get_one::<String>("plot") {
-            outputs::draw(path, map.figure())?;
+            outputs::draw(path, with_units(map.figure(), loaded.system.description()))?;
         }
         stability_maps::report(&loaded, &map, options, out)?;
         return unless_broken_off(map.interrupted);
@@ -53,6 +53,22 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
         Ok(orbit) => report(&loaded, &orbit, options, out),
         Err(error) => Err(failed(&loaded, &error, options, out)?),
     }
+}
+
+/// Gives axes of parameters, of the energy and of amplitudes their units.
+fn with_units(mut figure: Figure, description: &Description) -> Figure {
+    let parameter = |label: &str| description.parameters.iter().find(|parameter| parameter.name == label);
+    let of = |label: &str| match label.strip_prefix("amplitude of ") {
+        Some(name) => unit(description, name),
+        None if label == "energy" && has_units(description) => "J".to_owned(),
+        None => parameter(label).map_or(String::new(), |parameter| parameter.unit.to_string()),
+    };
+    for axis in figure.charts.iter_mut().flat_map(|chart| [&mut chart.x, &mut chart.y]) {
+        if axis.unit.is_empty() {
+            axis.unit = Some(of(&axis.label)).filter(|unit| unit != "1").unwrap_or_default();
+        }
+    }
+    figure
 }
 
 /// What is said of a search that failed: where it ended is saved, and JSON has all that is known there.

@@ -235,3 +235,16 @@ fn what_shrinks_to_rest_under_a_drive_rests() {
         near(number(&found["multipliers"][k]["re"]), number(&rest["multipliers"][k]["re"]), 1e-9);
     }
 }
+
+#[test]
+fn axes_of_pictures_have_units() {
+    let picture = std::env::temp_dir().join(format!("dalembert-orbits-{}.svg", std::process::id()));
+    let plot = picture.to_str().expect("a path");
+    let family = ["--set", "A=0.1", "--vary", "Omega=43,47", "--plot", plot];
+    told(&[&["shaken_pendulum", "--start", "theta=0"], &family[..]].concat()).expect("a family");
+    let text = std::fs::read_to_string(&picture).expect("a picture");
+    std::fs::remove_file(&picture).expect("the picture");
+    for axis in ["Omega (rad/s)", "amplitude of theta (rad)", "period (s)"] {
+        assert!(text.contains(axis), "{axis}: {text}");
+    }
+}
