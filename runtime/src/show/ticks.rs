@@ -39,10 +39,11 @@ impl Ticks {
         if nearest <= high - low || labels.iter().all(|label| lettering::width(label) <= WIDEST) {
             return Ticks { major, labels, ..Ticks::default() };
         }
-        // A round number in the middle, from which the others are counted in whole steps.
-        let middle = first + (count / 2) as f64;
-        let counted: Vec<f64> = (0..=count).map(|i| (first + i as f64 - middle) * step).collect();
-        Ticks { labels: linear_labels(&counted, step), origin: origin(middle * step, step), major, minor: Vec::new() }
+        // From the roundest of them the others are counted, in whole steps.
+        let text = |i: usize| origin((first + i as f64) * step, step);
+        let roundest = (0..=count).min_by_key(|i| text(*i).len()).unwrap_or(0);
+        let counted: Vec<f64> = (0..=count).map(|i| (i as f64 - roundest as f64) * step).collect();
+        Ticks { labels: linear_labels(&counted, step), origin: text(roundest), major, minor: Vec::new() }
     }
 
     /// These names at 1, 2, 3 …, thinned and shortened so that they fit into this room, in parts of their size.
