@@ -12,7 +12,7 @@ use super::load::{Loaded, pairs, refuse_model_again};
 use super::plotted::filled_parts;
 use super::set_up::{Reader, like_output, parameter_index, unknown};
 use super::{Context, Problem, outputs, value_files};
-use crate::needs::{Deviation, ModelReduction, Need, Needs, NeedsError, NeedsRequest, Proposal, Verdict};
+use crate::needs::{Deviation, ModelReduction, Need, Needs, NeedsError, NeedsRequest, Prediction, Proposal, Verdict};
 use crate::precision::Verified;
 use crate::run::plain;
 use crate::simulate::Interruption;
@@ -176,18 +176,21 @@ fn as_json(found: &Needs) -> Value {
     let gone = |gone: &[(String, String)]| -> Value {
         gone.iter().map(|(claim, why)| object([("claim", json!(claim)), ("why", json!(why))])).collect()
     };
+    let told = |deviation: f64| number(found.need.told(deviation));
     let reduction = |reduction: &ModelReduction| {
         let deviation = reduction.deviation.as_ref();
-        let of = |what: fn(&Deviation) -> f64| deviation.map_or(Value::Null, |deviation| number(what(deviation)));
+        let of = |what: fn(&Deviation) -> f64| deviation.map_or(Value::Null, |deviation| told(what(deviation)));
+        let predicted = reduction.predicted;
+        let law = |predicted: Prediction| json!(found.need.told_prediction(predicted).law.to_string());
         object([
             ("ingredient", json!(reduction.ingredient)),
             ("proposed", json!(reduction.proposal.to_string())),
-            ("predicted", reduction.predicted.map_or(Value::Null, |predicted| number(predicted.change))),
-            ("holds", reduction.predicted.map_or(Value::Null, |predicted| json!(predicted.holds()))),
-            ("law", reduction.predicted.map_or(Value::Null, |predicted| json!(predicted.law.to_string()))),
+            ("predicted", predicted.map_or(Value::Null, |predicted| told(predicted.change))),
+            ("holds", predicted.map_or(Value::Null, |predicted| json!(predicted.holds()))),
+            ("law", predicted.map_or(Value::Null, law)),
             ("change", of(|deviation| deviation.largest)),
             ("of", deviation.map_or(Value::Null, |deviation| json!(deviation.of))),
-            ("clock", of(|deviation| deviation.phase_error)),
+            ("clock", deviation.map_or(Value::Null, |deviation| number(deviation.phase_error))),
             ("shape", of(|deviation| deviation.waveform_error)),
             ("saving", number(reduction.saving)),
             ("needed", json!(reduction.verdict != Verdict::Serves)),
@@ -208,13 +211,13 @@ fn as_json(found: &Needs) -> Value {
             ("members", members.map(member).collect()),
             ("idle", strings(&choice.idle)),
             ("tolerance", number(choice.tolerance)),
-            ("predicted", choice.predicted.map_or(Value::Null, number)),
-            ("change", number(choice.change)),
-            ("verified", number(choice.verified)),
+            ("predicted", choice.predicted.map_or(Value::Null, told)),
+            ("change", told(choice.change)),
+            ("verified", told(choice.verified)),
             ("of", json!(choice.of)),
             ("clock", choice.parts.map_or(Value::Null, |(phase_error, _)| number(phase_error))),
-            ("shape", choice.parts.map_or(Value::Null, |(_, waveform_error)| number(waveform_error))),
-            ("moved", choice.moved.map_or(Value::Null, number)),
+            ("shape", choice.parts.map_or(Value::Null, |(_, waveform_error)| told(waveform_error))),
+            ("moved", choice.moved.map_or(Value::Null, told)),
             ("operations", number(choice.operations)),
             ("saving", number(choice.saving)),
             ("not_promised", choice.not_promised.iter().map(off).collect()),
@@ -223,11 +226,7 @@ fn as_json(found: &Needs) -> Value {
     });
     let full = |run: &Verified| {
         let operations = run.work * found.evaluation;
-        object([
-            ("tolerance", number(run.tolerance)),
-            ("change", number(run.error)),
-            ("operations", number(operations)),
-        ])
+        object([("tolerance", number(run.tolerance)), ("change", told(run.error)), ("operations", number(operations))])
     };
     object([
         ("model", json!(found.name)),
@@ -244,7 +243,8 @@ fn as_json(found: &Needs) -> Value {
                 .collect(),
         ),
         ("until", number(found.until)),
-        ("known", number(found.known)),
+        ("in_parts_of", json!(found.need.measure())),
+        ("known", told(found.known)),
         ("growth", number(found.growth)),
         ("promised_until", found.promised_until.map_or(Value::Null, number)),
         ("operations", number(found.operations)),

@@ -38,7 +38,8 @@ impl Needs {
         let exact = 1e-3 * self.need.within.min(1e-6);
         Some(format!(
             r#"//! `{small}` does what `{full}` does: {wanted} until
-//! t = {until} s. `dalembert needs` wrote it; {found:.1e} was found then.
+//! t = {until} s. `dalembert needs` wrote it; it was off by
+//! {found} then.
 
 use dalembert::prelude::*;
 
@@ -55,8 +56,8 @@ fn the_smaller_model_does_what_the_full_one_does() {{
 {compared}}}
 "#,
             times = self.times,
-            wanted = self.need.words(),
-            found = choice.verified,
+            wanted = self.wanted(),
+            found = self.off(choice.verified, &choice.of),
             tolerance = choice.tolerance,
         ))
     }

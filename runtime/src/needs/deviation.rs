@@ -14,13 +14,14 @@ use crate::simulate::{Settings, simulate};
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Deviation {
-    /// The largest over the scene, in parts of the range that each wanted quantity goes through; of events, of the scene's length.
+    /// The largest over the scene, in parts of the range that each wanted quantity goes through (of one that is wanted to an amount, of that
+    /// amount over `within`); of events, of the scene's length.
     pub largest: f64,
     /// Of which quantity or event.
     pub of: String,
     /// Of that, the phase error: the same motion, by this part faster (or, negative, slower).
     pub phase_error: f64,
-    /// What is left of the deviation without the phase error, in parts of the range.
+    /// What is left of the deviation without the phase error, in the same measure.
     pub waveform_error: f64,
 }
 

@@ -50,7 +50,7 @@ pub enum NeedsError {
     },
     /// Two runs of the full model differ by too much for the need.
     NotKnown {
-        /// By how much, in parts of ranges.
+        /// By how much, in the measure of which `within` is the limit.
         known: f64,
         /// The need.
         within: f64,
@@ -99,8 +99,9 @@ impl fmt::Display for NeedsError {
             NeedsError::Fails { why } => write!(f, "the full model's run fails: {why}"),
             NeedsError::NotKnown { known, within } => write!(
                 f,
-                "two runs of the full model differ by {known:.1e} of ranges, which is too much to judge deviations of {within:.0e}; \
-                 ask for less, or end the scene earlier"
+                "two runs of the full model differ by {:.1e} of what is asked for, which is too much to judge a smaller model by; ask \
+                 for less, or end the scene earlier",
+                known / within
             ),
             NeedsError::Interrupted { .. } => f.write_str("interrupted"),
         }

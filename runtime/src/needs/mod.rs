@@ -8,7 +8,7 @@
 //!    `prediction.rs`; along the smaller model's, where a stiff coordinate is held: in `below.rs`.
 //! 4. What goes together, tried as a whole: look in `choice.rs`.
 //! 5. The table, and the smaller file: look in `report.rs`; the picture: in `picture.rs`; the test that comes with the file:
-//!    in `comparison.rs`.
+//!    in `comparison.rs`; in which measure deviations are told: in `told.rs`.
 //!
 //! Every candidate is a file of its own that compiles by itself, with all that it claims proved again, and is run; nothing is
 //! left out by a prediction alone.
@@ -31,6 +31,7 @@ mod prediction;
 mod reduction;
 mod report;
 mod rigid;
+mod told;
 
 pub use choice::Choice;
 pub use deviation::Deviation;
@@ -56,7 +57,8 @@ pub struct Need {
     pub outputs: Vec<String>,
     /// The largest deviation over the scene, in parts of the range that each goes through.
     pub within: f64,
-    /// What is wanted to an amount of its own instead, SI, as where it hardly moves.
+    /// What is wanted to an amount of its own instead, SI, as where it hardly moves.  Its deviations are counted in parts of that amount
+    /// over `within`, so that `within` is the limit of all.
     pub absolute: Vec<(String, f64)>,
 }
 
@@ -71,16 +73,6 @@ impl Need {
     /// These, in parts of the range of each.
     pub fn of(outputs: &[&str], within: f64) -> Need {
         Need { outputs: outputs.iter().map(|name| (*name).to_owned()).collect(), within, ..Need::default() }
-    }
-
-    /// All that is wanted, and how exactly, in words.
-    pub(crate) fn words(&self) -> String {
-        let is_absolute = |name: &&String| self.absolute.iter().any(|(own, _)| own == *name);
-        let relative: Vec<&str> = self.outputs.iter().filter(|name| !is_absolute(name)).map(String::as_str).collect();
-        let parts = (!relative.is_empty())
-            .then(|| format!("{} within {:.1e} of the range of each", relative.join(", "), self.within));
-        let amounts = self.absolute.iter().map(|(name, amount)| format!("{name} within {amount:.1e}"));
-        parts.into_iter().chain(amounts).collect::<Vec<_>>().join(", ")
     }
 }
 
@@ -157,6 +149,8 @@ pub struct Needs {
     pub reductions: Vec<ModelReduction>,
     /// What may go together; `None` where the full model is the cheapest that serves.
     pub choice: Option<Choice>,
+    /// Units of what is wanted.
+    units: Vec<String>,
     /// Sizes other than the file's.
     sizes: Vec<(String, i64)>,
     /// At how many times runs were compared.
@@ -307,6 +301,7 @@ impl Needs {
             full: full.by_tolerance(),
             reductions: Vec::new(),
             choice: None,
+            units: full.motion.units.clone(),
             sizes: full.sizes.clone(),
             times: full.times,
             broken_off: false,

@@ -23,7 +23,7 @@ use crate::simulate::{Settings, simulate};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Prediction {
-    /// The largest change of what is wanted, in parts of ranges.
+    /// The largest change of what is wanted, in the measure of [`Deviation`](super::Deviation).
     pub change: f64,
     /// By which law.
     pub law: Law,

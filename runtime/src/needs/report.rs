@@ -6,16 +6,20 @@ use dalembert_symbolic::diagnose::Step;
 use dalembert_symbolic::file::edit::{replaced, value, with, with_at};
 
 use super::prediction::WHOLE;
+use super::told::part;
 use super::{Choice, Deviation, Law, ModelReduction, Needs, Prediction, Proposal, Verdict};
 
 impl Needs {
     /// Every ingredient with what leaving it out changes and saves, and what follows.
     pub fn table(&self) -> String {
-        let mut text = format!("{}: {}, until t = {} s\n", self.name, self.need.words(), self.until);
+        let mut text = format!("{}: {}, until t = {} s\n", self.name, self.wanted(), self.until);
         let _ = writeln!(
             text,
             "two runs of the full model agree to {}; {}",
-            part(self.known),
+            match self.need.absolute.is_empty() {
+                true => self.part(self.known),
+                false => format!("{} of what is asked for", self.part(self.known)),
+            },
             match self.growth.is_nan() {
                 true => "how a small change of the start grows is not known".to_owned(),
                 false => format!("a small change of the start grows {} times", times(self.growth)),
@@ -29,6 +33,9 @@ impl Needs {
         }
         if !self.reductions.is_empty() {
             text.push('\n');
+            if !self.need.absolute.is_empty() {
+                text += "changes in parts of what is asked for\n";
+            }
             text += &self.rows();
         }
         text.push('\n');
@@ -49,7 +56,8 @@ impl Needs {
             "found",
         ]
         .map(str::to_owned);
-        let rows: Vec<[String; COLUMNS]> = std::iter::once(head).chain(self.reductions.iter().map(row)).collect();
+        let rows: Vec<[String; COLUMNS]> =
+            std::iter::once(head).chain(self.reductions.iter().map(|reduction| self.row(reduction))).collect();
         let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
         let widths: Vec<usize> = (0..COLUMNS).map(width).collect();
         let mut text = String::new();
@@ -82,24 +90,25 @@ impl Needs {
         let _ = writeln!(
             text,
             ": {}; {} times less work ({} operations instead of {})",
-            changes(choice),
+            self.changes(choice),
             times(choice.saving),
             count(choice.operations),
             count(self.operations)
         );
         let serves = 1.5 * self.need.within;
+        let asked = if self.need.absolute.is_empty() { "" } else { " of what is asked for" };
         let _ = match choice.moved {
             Some(moved) if moved <= serves => {
                 writeln!(
                     text,
-                    "from other starts, a hundredth of the way to where it goes, it is off by {} at most",
-                    part(moved)
+                    "from other starts, a hundredth of the way to where it goes, it is off by {}{asked} at most",
+                    self.part(moved)
                 )
             }
             Some(moved) => writeln!(
                 text,
-                "it holds for this start only: from others, a hundredth of the way to where it goes, it is off by {}",
-                part(moved)
+                "it holds for this start only: from others, a hundredth of the way to where it goes, it is off by {}{asked}",
+                self.part(moved)
             ),
             None => writeln!(text, "it was not compared from other starts"),
         };
@@ -118,13 +127,13 @@ impl Needs {
     /// there is none.
     pub fn smaller_file(&self) -> Option<String> {
         let choice = self.choice.as_ref()?;
-        let mut head = format!("# Smaller than {}: for {} until t = {} s.\n", self.name, self.need.words(), self.until);
+        let mut head = format!("# Smaller than {}: for {} until t = {} s.\n", self.name, self.wanted(), self.until);
         for reduction in self.reductions.iter().filter(|reduction| choice.includes(reduction)) {
             let own = match &reduction.deviation {
                 _ if reduction.not_depended_on => "; nothing wanted depends on it".to_owned(),
-                deviation => {
-                    deviation.as_ref().map_or_else(String::new, |d| format!("; alone {} ({})", part(d.largest), d.of))
-                }
+                deviation => deviation
+                    .as_ref()
+                    .map_or_else(String::new, |d| format!("; alone off by {}", self.off(d.largest, &d.of))),
             };
             let _ = writeln!(head, "# - {} {}{own}", reduction.ingredient, reduction.proposal);
         }
@@ -134,7 +143,7 @@ impl Needs {
         let _ = writeln!(
             head,
             "# Together {}, at the tolerance {:e}; {} times less work.",
-            changes(choice),
+            self.changes(choice),
             choice.tolerance,
             times(choice.saving)
         );
@@ -161,60 +170,82 @@ impl Needs {
         let text = text.unwrap_or_else(|| choice.text.clone());
         Some(head + &text)
     }
+
+    fn row(&self, reduction: &ModelReduction) -> [String; COLUMNS] {
+        let dash = || "–".to_owned();
+        let (change, of) = match &reduction.deviation {
+            Some(deviation) => (self.part(deviation.largest), deviation.of.clone()),
+            None => (dash(), dash()),
+        };
+        let saving = if reduction.saving > 0.0 { times(reduction.saving) } else { dash() };
+        let found = match &reduction.deviation {
+            // One that runs ahead by a constant part is late, not otherwise.
+            Some(d)
+                if reduction.verdict == Verdict::Acts && d.parts().is_some() && d.waveform_error < 0.2 * d.largest =>
+            {
+                format!("needed: the same, {} {}", part(d.phase_error.abs()), faster_or_slower(d.phase_error))
+            }
+            _ if reduction.not_depended_on && reduction.verdict == Verdict::Serves => {
+                "nothing wanted depends on it".to_owned()
+            }
+            _ => reduction.verdict.to_string(),
+        };
+        let found = match &reduction.margin {
+            Some((guard, margin)) if reduction.verdict == Verdict::Serves => {
+                format!("{found}; {guard} is missed by {} of its range", times(*margin))
+            }
+            _ => found,
+        };
+        let found = match reduction.predicted.filter(|predicted| !predicted.holds()) {
+            Some(Prediction { law: Law::Stiff { .. }, change }) if change > WHOLE => {
+                format!("{found}; no law: it would be no small change")
+            }
+            Some(predicted @ Prediction { law: Law::Stiff { .. } | Law::Linear { .. }, .. }) => {
+                format!("{found}; no law: {}", self.need.told_prediction(predicted).law)
+            }
+            _ => found,
+        };
+        // Where its law does not hold nothing is predicted.
+        let predicted =
+            reduction.predicted.filter(Prediction::holds).map_or_else(dash, |predicted| self.part(predicted.change));
+        let parts = reduction.deviation.as_ref().and_then(Deviation::parts);
+        let [phase_error, waveform_error] =
+            parts.map_or_else(|| [dash(), dash()], |(phase_error, waveform)| [part(phase_error), self.part(waveform)]);
+        [
+            reduction.ingredient.clone(),
+            reduction.proposal.to_string(),
+            predicted,
+            change,
+            of,
+            phase_error,
+            waveform_error,
+            saving,
+            found,
+        ]
+    }
+
+    /// `predicted 4.1e-4, found 4.2e-4; off by 4.3e-4 of swing, integration included`.
+    fn changes(&self, choice: &Choice) -> String {
+        let of_model = |predicted| format!("predicted {}, found {}; ", self.part(predicted), self.part(choice.change));
+        let of_parts = |(phase_error, waveform_error)| {
+            format!(" (phase error {}, waveform error {})", part(phase_error), self.part(waveform_error))
+        };
+        format!(
+            "{}off by {}{}, integration included",
+            choice.predicted.map_or_else(String::new, of_model),
+            self.off(choice.verified, &choice.of),
+            choice.parts.map_or_else(String::new, of_parts)
+        )
+    }
+
+    /// A deviation, as it is told.
+    fn part(&self, deviation: f64) -> String {
+        part(self.need.told(deviation))
+    }
 }
 
 /// Of the table.
 const COLUMNS: usize = 9;
-
-fn row(reduction: &ModelReduction) -> [String; COLUMNS] {
-    let dash = || "–".to_owned();
-    let (change, of) = match &reduction.deviation {
-        Some(deviation) => (part(deviation.largest), deviation.of.clone()),
-        None => (dash(), dash()),
-    };
-    let saving = if reduction.saving > 0.0 { times(reduction.saving) } else { dash() };
-    let found = match &reduction.deviation {
-        // One that runs ahead by a constant part is late, not otherwise.
-        Some(d) if reduction.verdict == Verdict::Acts && d.parts().is_some() && d.waveform_error < 0.2 * d.largest => {
-            format!("needed: the same, {} {}", part(d.phase_error.abs()), faster_or_slower(d.phase_error))
-        }
-        _ if reduction.not_depended_on && reduction.verdict == Verdict::Serves => {
-            "nothing wanted depends on it".to_owned()
-        }
-        _ => reduction.verdict.to_string(),
-    };
-    let found = match &reduction.margin {
-        Some((guard, margin)) if reduction.verdict == Verdict::Serves => {
-            format!("{found}; {guard} is missed by {} of its range", times(*margin))
-        }
-        _ => found,
-    };
-    let found = match reduction.predicted.filter(|predicted| !predicted.holds()) {
-        Some(Prediction { law: Law::Stiff { .. }, change }) if change > WHOLE => {
-            format!("{found}; no law: it would be no small change")
-        }
-        Some(Prediction { law: law @ (Law::Stiff { .. } | Law::Linear { .. }), .. }) => {
-            format!("{found}; no law: {law}")
-        }
-        _ => found,
-    };
-    // Where its law does not hold nothing is predicted.
-    let predicted = reduction.predicted.filter(Prediction::holds).map_or_else(dash, |predicted| part(predicted.change));
-    let parts = reduction.deviation.as_ref().and_then(Deviation::parts);
-    let [phase_error, waveform_error] =
-        parts.map_or_else(|| [dash(), dash()], |(phase_error, waveform_error)| [phase_error, waveform_error].map(part));
-    [
-        reduction.ingredient.clone(),
-        reduction.proposal.to_string(),
-        predicted,
-        change,
-        of,
-        phase_error,
-        waveform_error,
-        saving,
-        found,
-    ]
-}
 
 /// `it does without forces.drag and with coordinates.l held at 10 m`.
 fn done(choice: &Choice) -> String {
@@ -279,25 +310,6 @@ impl fmt::Display for Proposal {
             Proposal::Modes { kept, of } => write!(f, "in {kept} of its {of} modes"),
         }
     }
-}
-
-/// `predicted 4.1e-4, found 4.2e-4; off by 4.3e-4 of swing, integration included`.
-fn changes(choice: &Choice) -> String {
-    let of_model = |predicted| format!("predicted {}, found {}; ", part(predicted), part(choice.change));
-    let of_parts = |(phase_error, waveform_error)| {
-        format!(" (phase error {}, waveform error {})", part(phase_error), part(waveform_error))
-    };
-    format!(
-        "{}off by {} of {}{}, integration included",
-        choice.predicted.map_or_else(String::new, of_model),
-        part(choice.verified),
-        choice.of,
-        choice.parts.map_or_else(String::new, of_parts)
-    )
-}
-
-fn part(value: f64) -> String {
-    if value == 0.0 { "0".to_owned() } else { format!("{value:.1e}") }
 }
 
 fn times(value: f64) -> String {

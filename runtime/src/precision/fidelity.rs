@@ -10,7 +10,8 @@ pub struct Verified {
     pub name: String,
     /// At which tolerance it was run.
     pub tolerance: f64,
-    /// The largest deviation from the full model run more exactly, in parts of the range that each wanted quantity goes through.
+    /// The largest deviation from the full model run more exactly, in parts of the range that each wanted quantity goes through, or of what
+    /// is asked for.
     pub error: f64,
     /// What it takes, in evaluations of the full model's accelerations, by counting operations.
     pub work: f64,
@@ -21,6 +22,8 @@ pub struct Verified {
 pub struct Fidelity {
     /// What the chart is called.
     pub title: String,
+    /// In parts of what errors are told: `the range`.
+    pub measure: &'static str,
     /// The largest error that serves.
     pub within: f64,
     /// The full model, at several tolerances.
@@ -52,7 +55,7 @@ impl Fidelity {
         let all = self.full.iter().chain(&self.chosen).filter_map(place).chain(drawn.iter().map(|(_, place)| *place));
         let (least, most) = all.fold((f64::INFINITY, 0.0_f64), |(low, high), (_, y)| (low.min(y), high.max(y)));
         let need = [least, most].map(|work| work.is_finite().then_some((self.within, work)));
-        let error = Axis::new("error (part of the range)", "").log().reversed();
+        let error = Axis::new(format!("error (part of {})", self.measure), "").log().reversed();
         let work = Axis::new("work (evaluations of the full model)", "").log();
         let mut chart = Chart::new(self.title.clone(), error, work)
             .with(Series { style: Style::Dashed, ..Series::line("what is asked for", need) })

@@ -310,6 +310,12 @@ fn the_command_writes_a_file_that_runs() {
     let amounts = told(&["needs", &full, "--needs", "swing, x=1 m", "--within", "2e-3"]).expect("an answer");
     assert!(amounts.contains("swing within 2.0e-3 of the range of each, x within 1.0e0"), "{amounts}");
     assert!(told(&["needs", &full, "--needs", "x=1 s"]).is_err());
+    // The load is 1.1 mm off whatever is asked for.
+    for (amount, asked, parts) in [("5 mm", "5.0e-3 m", "2.3e-1"), ("50 mm", "5.0e-2 m", "2.3e-2")] {
+        let said = told(&["needs", &full, "--needs", &format!("load_x={amount}")]).expect("an answer");
+        assert!(said.contains(&format!("off by 1.1e-3 m of the {asked} asked of load_x")), "{said}");
+        assert!(said.contains("changes in parts of what is asked for") && said.contains(parts), "{said}");
+    }
     assert!(told(&["needs", &full, "--within", "much"]).expect_err("a refusal").contains("--within wants"));
     // A scene that is minimal already: only its tolerance is more than is asked for.
     let minimal = told(&["needs", "cart_pendulum", "--write", &path("none.yaml")]).expect("an answer");

@@ -1,5 +1,6 @@
-//! `needs/cord_rod.yaml` does what `needs/cord.yaml` does: angle, pull within 1.0e-3 of the range of each, still within 1.0e-3 until
-//! t = 5 s. `dalembert needs` wrote it; 4.0e-4 was found then.
+//! `needs/cord_rod.yaml` does what `needs/cord.yaml` does: angle, pull within 1.0e-3 of the range of each, still within 1.0e-3 m until
+//! t = 5 s. `dalembert needs` wrote it; it was off by
+//! 4.0e-1 of what is asked of pull then.
 
 use dalembert::prelude::*;
 
