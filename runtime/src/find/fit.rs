@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::found::Found;
 use super::least::{Spread, in_units};
-use super::newton::Linearised;
+use super::newton::{GAP, Linearised};
 use super::search::{Equations, Seeker};
 use super::trial::Trial;
 use crate::error::{Error, NotFound};
@@ -68,8 +68,8 @@ pub(super) fn fit(seeker: &mut Seeker, guess: &[f64], record: &Record, places: &
     let equations =
         |seeker: &Seeker, trial: Trial, scales: &[f64]| residuals(seeker, trial, record, places, (&sizes, scales));
     let solution = seeker.newton(guess, &scales, &equations)?;
-    // In logarithms of the unknowns.
-    let own = seeker.scales(&solution.values, &solution.values);
+    // In logarithms of the unknowns, but of those that are next to nothing.
+    let own = measures(&solution.equations.j, &seeker.scales(&solution.values, &solution.values), &scales);
     let factors = own.iter().zip(&scales).map(|(own, scale)| own / scale).collect::<Vec<f64>>();
     let linear = Linearised::new(&in_units(&solution.equations.j, &factors));
     if let Some(direction) = linear.free().first() {
@@ -99,6 +99,19 @@ pub(super) fn fit(seeker: &mut Seeker, guess: &[f64], record: &Record, places: &
         record: record.clone(),
     };
     Ok(Found { fit: Some(fit), ..seeker.found(solution, errors) })
+}
+
+/// What changes of the unknowns are measured by: the values that were found; of one that is found next to 0, whose own size would change
+/// nothing in the record, by what changes as much in it as the others' sizes do.  One of which the size of its guess changes nothing either
+/// keeps its own.
+fn measures(j: &DMatrix<f64>, sizes: &[f64], scales: &[f64]) -> Vec<f64> {
+    let slopes: Vec<f64> = j.column_iter().zip(scales).map(|(column, scale)| column.norm() / scale).collect();
+    let most = slopes.iter().zip(sizes).fold(0.0_f64, |most, (slope, size)| most.max(slope * size));
+    let measure = |((slope, size), scale): ((&f64, &f64), &f64)| {
+        let is_next_to_nothing = slope * size < GAP * most && slope * scale >= GAP * most;
+        if is_next_to_nothing { most / slope } else { *size }
+    };
+    slopes.iter().zip(sizes).zip(scales).map(measure).collect()
 }
 
 fn check(seeker: &Seeker, guess: &[f64], record: &Record) -> Result<(), Error> {

@@ -6,7 +6,7 @@ use crate::matrix::svd;
 
 /// Between the singular values that count and those that do not lie at least so many decades: slopes are known to some eleven digits, and
 /// directions that change nothing are seen thirteen decades below the others.
-const GAP: f64 = 1e-6;
+pub(super) const GAP: f64 = 1e-6;
 
 /// A linearised system in scaled unknowns, J x = −r, by its singular values.
 #[derive(Clone)]

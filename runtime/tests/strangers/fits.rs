@@ -81,6 +81,34 @@ fn fits_without_residuals_keep_their_digits() {
     assert!(text.contains("standard error ?, 95 % within ?"), "{text}");
 }
 
+/// A record of x'' = −k x − c x' from x = 0.1 at rest determines all four.
+#[test]
+fn unknowns_whose_best_value_is_0_were_refused() {
+    let (k, c) = (4.0_f64, 0.2_f64);
+    let (d, w) = (0.5 * c, (k - 0.25 * c * c).sqrt());
+    let x = |t: f64| 0.1 * (-d * t).exp() * ((w * t).cos() + d / w * (w * t).sin());
+    let rows = (0..16).map(|i| 0.25 * f64::from(i)).map(|t| format!("{t},{:?}\n", x(t)));
+    let folder = folder("fits");
+    let [model, scaled, table] = ["rest.yaml", "scaled.yaml", "rest.csv"].map(|name| folder.join(name));
+    std::fs::write(&model, OSCILLATOR).expect("a file");
+    std::fs::write(&scaled, OSCILLATOR.replace("k*x^2/2", "m*k*x^2/2").replace("-c*x'", "-m*c*x'")).expect("a file");
+    std::fs::write(&table, format!("t,x\n{}", rows.collect::<String>())).expect("a file");
+    let [model, scaled, table] = [&model, &scaled, &table].map(|path| path.to_str().expect("a path"));
+    for guess in ["0", "0.05", "-0.01"] {
+        let unknown = format!("k=3.6,c=0.1,x=0.12,x'={guess}");
+        let told = program(&["solve", model, "--fit", table, "--unknown", &unknown]).expect("a fit");
+        let value = |name: &str| -> f64 {
+            let line = told.lines().find_map(|line| line.strip_prefix(&format!("  {name} = "))).expect("a line");
+            line.split(' ').next().expect("a number").parse().expect("a number")
+        };
+        assert!((value("k") - k).abs() < 1e-8 && value("x'").abs() < 1e-8, "{told}");
+    }
+    // A mass that nothing depends on is not told by a record, however near 0 another unknown is.
+    let unknown = "k=3.6,c=0.1,x=0.12,x'=0,m=1";
+    let refused = program(&["solve", scaled, "--fit", table, "--unknown", unknown]).expect_err("a refusal");
+    assert!(refused.contains("does not tell the unknowns apart") && refused.contains("m by 1.0000"), "{refused}");
+}
+
 /// x = F t²/(2 m): what is missed is measured alike before and after a step, whatever the motion makes of it, so that steps are no worse than they are.
 #[test]
 fn values_far_below_those_of_the_guess_were_not_found() {
