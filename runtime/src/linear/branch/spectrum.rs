@@ -8,7 +8,7 @@ use crate::linear::modes::matched;
 use crate::linear::{LinearError, Linearised};
 #[cfg(feature = "modal")]
 use crate::linear::{matrices::Eigen, modes::without_zeros};
-use crate::matrix::is_symmetric;
+use crate::matrix::{equilibrated, is_symmetric};
 
 /// Parts of an eigenvalue below this are what rounding makes of a double one.
 const SPLIT: f64 = 1e-7;
@@ -84,16 +84,19 @@ impl Spectrum {
             false if conserves => mirrored(linear.eigenvalues()?, rounding),
             false => linear.eigenvalues()?,
         };
-        values
-            .sort_by(|a, b| a.im.abs().total_cmp(&b.im.abs()).then(a.re.total_cmp(&b.re)).then(a.im.total_cmp(&b.im)));
-        if symmetric {
-            values.sort_by(|a, b| a.re.total_cmp(&b.re));
-        }
         let floor = match (squares, conserves) {
             (true, _) => 0.0,
             (false, true) => SPLIT * norm,
             (false, false) => rounding,
         };
+        if conserves && !squares && is_saddle(linear) {
+            grow_certainly(&mut values, floor);
+        }
+        values
+            .sort_by(|a, b| a.im.abs().total_cmp(&b.im.abs()).then(a.re.total_cmp(&b.re)).then(a.im.total_cmp(&b.im)));
+        if symmetric {
+            values.sort_by(|a, b| a.re.total_cmp(&b.re));
+        }
         let of_departures = false;
         Ok(Spectrum { values, squares, symmetric, of_departures, floor, split: SPLIT * norm, eigenvalues })
     }
@@ -267,6 +270,28 @@ impl Spectrum {
             };
             moved <= 0.3 * gap && across <= 0.5 * border
         })
+    }
+}
+
+/// Whether det K < 0: then a real λ grows, whatever gyroscopic forces there are, and were it less than rounding makes of others.
+fn is_saddle(linear: &Linearised) -> bool {
+    let stiffness = linear.k();
+    let is_regular = null_space(&Scaled::new(&linear.mass).stiffness(&stiffness)).is_some_and(|free| free.ncols() == 0);
+    // By Sylvester's law the signs are those of the matrix of one size.
+    let negative = || equilibrated(&stiffness).0.symmetric_eigenvalues().iter().filter(|x| **x < 0.0).count();
+    is_regular && negative() % 2 == 1
+}
+
+/// Makes the real pair that grows for certain one that counts as growing, where rounding has left it too near to 0 or on the axis: of all that do
+/// not grow clearly it is the one nearest to 0.
+fn grow_certainly(values: &mut [Complex<f64>], floor: f64) {
+    /// So many times what is rounding grows clearly.
+    const CLEARLY: f64 = 4.0;
+    let clear = values.iter().filter(|x| x.im == 0.0 && x.re > floor).count();
+    let mut others: Vec<&mut Complex<f64>> = values.iter_mut().filter(|x| x.re.abs() <= floor).collect();
+    others.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
+    if let (0, [first, second, ..]) = (clear % 2, others.as_mut_slice()) {
+        (**first, **second) = (Complex::from(CLEARLY * floor), Complex::from(-CLEARLY * floor));
     }
 }
 

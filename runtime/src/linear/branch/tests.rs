@@ -186,6 +186,26 @@ fn gyroscopic_stabilisation() {
 }
 
 /// A shaft with damping in the bearings (e) and in itself (i) whirls from √k (1 + e/i) on.
+/// A shaft with two stiffnesses in rotating axes is unstable between the roots of both: det K < 0 there, by however little.
+#[test]
+fn a_narrow_window_of_an_asymmetric_shaft_is_found_to_rounding() {
+    for part in [1e-2, 1e-4, 1e-6] {
+        let (k1, k2) = (100.0, 100.0 * (1.0 + part));
+        let shaft = Tuned::new(2, 1.0, move |w| {
+            let stiffness = DMatrix::from_row_slice(2, 2, &[k1 - w * w, 0.0, 0.0, k2 - w * w]);
+            [DMatrix::identity(2, 2), DMatrix::from_row_slice(2, 2, &[0.0, -2.0 * w, 2.0 * w, 0.0]), stiffness]
+        });
+        for range in [(9.99, 10.0 + f64::max(0.01, 10.0 * part)), (0.0, 400.0)] {
+            let found = found(&shaft, range);
+            assert_eq!(found.len(), 2, "{part}: {found:?}");
+            for ((value, kind, growing), (law, expected)) in found.iter().zip([(k1, [0, 1]), (k2, [1, 0])]) {
+                assert!((value / law.sqrt() - 1.0).abs() < 1e-14, "{part}: {found:?}");
+                assert_eq!((*kind, *growing), (Divergence, expected), "{part}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_shaft_whirls_by_its_own_damping() {
     for (e, i, k) in [(0.1, 0.2, 4.0), (0.3, 0.05, 1.0), (1e-3, 2e-3, 9.0_f64)] {
