@@ -228,12 +228,18 @@ pub(super) fn unit_of(text: &str, coordinate: &str) -> String {
     value(text, &entry("coordinates", coordinate)).unwrap_or_default()
 }
 
-/// What of the file's claims a problem is about, and why it cannot stay: a system of balances, one claim, one output, and what
-/// is drawn as a whole.
-pub(super) fn claim(text: &str, problem: &Problem) -> Option<(Vec<Step>, String)> {
+/// What of the file's claims a problem is about, and why it cannot stay: a system of balances, one claim, one output, what
+/// is drawn as a whole, and scenes other than the one that is asked about.
+pub(super) fn claim(text: &str, problem: &Problem, asked: &[Step]) -> Option<(Vec<Step>, String)> {
     let path = &problem.place.path;
     let Some(Step::Key(section)) = path.first() else { return None };
-    if !CLAIMS.contains(&section.as_str()) || problem.is_warning() {
+    if problem.is_warning() {
+        return None;
+    }
+    if matches!(section.as_str(), "scene" | "scenes") && !path.starts_with(asked) {
+        return of_other_scene(path).map(|path| (path, problem.message.clone()));
+    }
+    if !CLAIMS.contains(&section.as_str()) {
         return None;
     }
     let single = section == "balances" && keys(text, &path[..1]).iter().any(|key| key == "equations");
@@ -241,6 +247,16 @@ pub(super) fn claim(text: &str, problem: &Problem) -> Option<(Vec<Step>, String)
     let path = path[..long].to_vec();
     source(text, &path)?;
     Some((path, problem.message.clone()))
+}
+
+/// What cannot stay of a scene that is not asked about: what it is run for, or else the scene, if it has a name.
+fn of_other_scene(path: &[Step]) -> Option<Vec<Step>> {
+    let is_named = path.first() == Some(&key("scenes"));
+    let scene = path.get(..if is_named { 2 } else { 1 })?;
+    match path.get(scene.len()) {
+        Some(within) if *within == key("needs") => Some([scene, &[key("needs")]].concat()),
+        _ => is_named.then(|| scene.to_vec()),
+    }
 }
 
 /// The code of balances that are not as many as unknowns.
@@ -266,16 +282,16 @@ fn with_one_less(
     paths.collect::<Vec<_>>().into_iter().find_map(tried)
 }
 
-/// The file less what it claims in vain, given what compiles, and as a program; with what went, and why.
+/// The file less what it claims in vain, given what compiles, and as a program; with what went, and why.  What is asked about is one scene.
 ///
 /// # Errors
 /// The first problem that is about something else, or about an output that is wanted.
 pub(super) fn without_vain_claims(
-    text: String,
+    (text, scene): (String, Option<&str>),
     is_wanted: impl Fn(&str) -> bool,
     mut compile: impl FnMut(&str) -> Result<Program, Vec<Problem>>,
 ) -> Result<(String, Program, Vec<Gone>), String> {
-    let (mut text, mut gone) = (text, Vec::new());
+    let (mut text, mut gone, asked) = (text, Vec::new(), scene_path(scene));
     loop {
         let problems = match compile(&text) {
             Ok(program) => return Ok((text, program, gone)),
@@ -287,7 +303,7 @@ pub(super) fn without_vain_claims(
         };
         let said = || problems.first().map_or_else(String::new, words);
         let claims: Vec<_> =
-            problems.iter().filter(|problem| !problem.is_warning()).map(|p| (claim(&text, p), p)).collect();
+            problems.iter().filter(|problem| !problem.is_warning()).map(|p| (claim(&text, p, &asked), p)).collect();
         if gone.len() >= MOST_GONE || claims.is_empty() {
             return Err(said());
         }

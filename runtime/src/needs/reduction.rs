@@ -146,7 +146,7 @@ pub(super) fn answer(full: &Full, edits: &[Edit]) -> Result<Answer, String> {
         full.need.outputs.iter().any(of)
     };
     let compile = |text: &str| full.compiled(text);
-    let (text, program, mut gone) = without_vain_claims(text, is_wanted, compile)?;
+    let (text, program, mut gone) = without_vain_claims((text, full.scene.as_deref()), is_wanted, compile)?;
     let linear = edits.iter().any(|edit| matches!(edit, Edit::Linear(_)));
     if linear && source(&full.source, &[Step::Key("balances".to_owned())]).is_some() {
         gone.push(("balances".to_owned(), "no forces and masses are left for them, only energies".to_owned()));

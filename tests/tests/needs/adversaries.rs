@@ -194,6 +194,24 @@ scene: {until: 5, tolerance: 1e-10}
     holds(pointer, &needs);
 }
 
+/// A stiff coordinate that only another scene wants is held, and that scene is run for nothing any more; both are told.
+#[test]
+fn what_another_scene_is_run_for_does_not_stay_in_the_way() {
+    let text = "name: Sc\nparameters: {m: 1 kg, M: 10 kg, k: 1e4 N/m, K: 40 N/m}\ncoordinates: {x: m, y: m}\n\
+        bodies: {a: {mass: M, position: \"[x, 0]\"}, b: {mass: m, position: \"[x + y, 0]\"}}\n\
+        springs: {s1: {stretch: x, stiffness: K, along: \"[1,0]\", on: a}, s2: {stretch: y, stiffness: k, along: \"[1,0]\", on: b, from: a}}\n\
+        scene: {start: {x: 0.1}, until: 5, needs: {outputs: [x], within: 1e-2}}\n\
+        scenes:\n  other: {start: {x: 0.1, y: 0.01}, until: 9, needs: {outputs: [x, y], within: 1e-2}}\n";
+    let needs = asked(&NeedsRequest::new(text)).unwrap();
+    assert!(chosen(&needs).members.contains(&"coordinates.y".to_owned()), "{}", needs.table());
+    assert!(needs.table().contains("scenes.other.needs goes with it: unknown name `y`"), "{}", needs.table());
+    let written = needs.smaller_file().expect("a file");
+    assert!(written.contains("other: {start: {x: 0.1}, until: 9"), "{written}");
+    // The scene that wants it keeps it.
+    let other = asked(&NeedsRequest { scene: Some("other".to_owned()), ..NeedsRequest::new(text) }).unwrap();
+    assert!(matches!(reduction(&other, "coordinates.y").verdict, Verdict::Refused { .. }), "{}", other.table());
+}
+
 /// What cannot be written into the file is told as that, not as a name that is none.
 #[test]
 fn what_cannot_be_written_is_told() {
