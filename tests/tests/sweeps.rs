@@ -405,3 +405,19 @@ fn settings_without_meaning_leave_a_table_as_it_is() {
         assert_eq!(fs::read_to_string(&path).expect("a table"), table);
     }
 }
+
+/// After a minute a double pendulum's angles are anyone's; its printed numbers are those that hold.
+#[test]
+fn rows_are_printed_with_the_digits_that_hold() {
+    let path = folder("digits").join("all.csv");
+    let path = path.to_str().expect("a path");
+    let sweep = ["sweep", "double_pendulum", "--vary", "theta1=1.5,1.6", "--show", "theta1", "--csv", path];
+    let line =
+        |text: &str| text.lines().nth(1).and_then(|line| line.split_whitespace().nth(2)).expect("a cell").to_owned();
+    let lost = told(&[&sweep[..], &["--until", "60"]].concat()).expect("a sweep");
+    assert_eq!(line(&lost), "?", "{lost}");
+    let known = told(&[&sweep[..], &["--until", "1"]].concat()).expect("a sweep");
+    assert_eq!(line(&known).trim_start_matches('-').len(), "0.123456".len(), "{known}");
+    let all = told(&[&sweep[..], &["--until", "60", "--no-digits"]].concat()).expect("a sweep");
+    assert!(line(&all) != "?" && all.contains("how many digits hold was not asked"), "{all}");
+}

@@ -333,6 +333,7 @@ fn sweep() -> Command {
         .arg(value("show", "A,B", "What is printed and drawn: a coordinate, rate or output at the end, or `min A`, `max A`, `events E`, `t`, `energy drift`, `warnings`, `frequency 1`, `damping 1` [default: coordinates, outputs and frequencies]"))
         .arg(value("csv", "FILE.csv", "Where the table goes, row by row, with FILE.csv.json beside it, which says what it is a table of; - for standard output, where the report goes to standard error [default: NAME-sweep.csv]").short('o'))
         .arg(value("npz", "FILE.npz", "Write the whole table as NumPy's arrays too, one for each column by its name").value_hint(ValueHint::FilePath))
+        .arg(flag("no-digits", "Do not run printed rows again to tell how many digits hold; print six"))
         .arg(flag("json", "Print one JSON object, with all rows"))
         .arg(flag("resume", "Continue a sweep that was interrupted or killed: only runs that the table does not have; begins where there is none"))
         .arg(picture("plot", "Draw what is shown over the first of what varies"))

@@ -1,6 +1,7 @@
 //! `sweep`: many runs of one mechanism, and a table of what came of them.
 
 mod experiment;
+mod judged;
 mod kept;
 pub(super) mod points;
 mod table;
@@ -14,6 +15,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use clap::ArgMatches;
 
 use experiment::Experiment;
+use judged::Judged;
 use kept::Kept;
 use points::{Points, Varied};
 use serde_json::{Value, json};
@@ -30,8 +32,13 @@ use crate::mechanism::{Description, HIDDEN, Method, System};
 use crate::numbers::{short, spaced};
 use crate::run::Names;
 use crate::show::{Axis, Chart, Figure, Series, unit};
+use crate::stopwatch::Stopwatch;
 use crate::{Error, Settings};
 
+/// A run with the one or two that it is compared with.
+const RUNS_AGAIN: f64 = 3.0;
+/// Runs again that take longer than this, s, would try a person's patience.
+const PATIENCE: f64 = 10.0;
 /// No more rows are printed.
 const MOST_ROWS: usize = 40;
 /// Nor more columns, unless they were asked for.
@@ -61,11 +68,13 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     };
     let results = results(&columns, loaded.system.description(), modes);
     let shown = shown(options, &results, &columns)?;
-    let (table, all) = match merged {
-        Some((table, experiment)) => (put_together(&loaded, (table, experiment), &results, &path)?, None),
+    let (table, all, judged) = match merged {
+        Some((table, experiment)) => {
+            (put_together(&loaded, (table, experiment), &results, &path)?, None, Judged::default())
+        }
         None => {
-            let (table, all) = compute(context, &mut loaded, options, (&columns, modes), &path)?;
-            (table, Some(all))
+            let (table, all, judged) = compute(context, &mut loaded, options, (&columns, modes, &shown), &path)?;
+            (table, Some(all), judged)
         }
     };
     let varied = table.names.len().saturating_sub(results.len() + 2);
@@ -91,7 +100,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     if options.get_flag("json") {
         return write_outcome(as_json(&loaded.name, loaded.system.description(), &table, &path), outcome, &mut *out);
     }
-    print(&table, (varied, &shown), loaded.system.description(), &mut *out)?;
+    print(&table, (varied, &shown), (loaded.system.description(), &judged), &mut *out)?;
     for path in [Some(&path).filter(|path| *path != "-"), arrays].into_iter().flatten() {
         writeln!(out, "written: {path}")?;
     }
@@ -195,9 +204,9 @@ fn compute(
     context: Context<'_>,
     loaded: &mut Loaded,
     options: &ArgMatches,
-    (columns, modes): (&[String], usize),
+    (columns, modes, shown): (&[String], usize, &[String]),
     path: &str,
-) -> Result<(Table, usize), Problem> {
+) -> Result<(Table, usize, Judged), Problem> {
     let (scene, mut reader) = choose(loaded, options)?;
     let changes = Changes::read(loaded, &mut reader, options)?;
     let points = Points::read(loaded, &mut reader, options)?;
@@ -219,11 +228,18 @@ fn compute(
     let there: HashSet<usize> = kept.done.iter().map(|row| row.run).collect();
     let all: Vec<usize> = (shard..sweep.points.len()).step_by(shards).collect();
     let left: Vec<usize> = all.iter().copied().filter(|run| !there.contains(run)).collect();
+    let watch = Stopwatch::start();
     let rows = sweep.rows(&left, threads, &kept)?;
+    let a_row = watch.seconds() / left.len() as f64;
     let mut table = Table { names, rows: kept.done.into_iter().chain(rows).collect() };
     table.sort()?;
     kept::replace(path, &table, &experiment)?;
-    Ok((table, all.len()))
+    // A row that is printed is run again, with the runs that it is compared with.
+    let again = RUNS_AGAIN * table.rows.len().min(MOST_ROWS) as f64 * a_row;
+    let is_quick = again < PATIENCE;
+    let is_wanted = !["no-digits", "json", "quiet"].into_iter().any(|flag| options.get_flag(flag));
+    let judged = if is_quick && is_wanted { sweep.judged(&table, shown, threads) } else { Judged::default() };
+    Ok((table, all.len(), judged))
 }
 
 /// What all runs have in common.
@@ -305,6 +321,28 @@ impl Sweep<'_> {
         unwritten.into_inner().map_or_else(|| Ok(rows.into_iter().flatten().collect()), Err)
     }
 
+    /// How many digits hold of the rows that are printed.
+    fn judged(&self, table: &Table, shown: &[String], threads: Option<usize>) -> Judged {
+        let rows: Vec<&Row> = table.rows.iter().take(MOST_ROWS).filter(|row| row.error.is_empty()).collect();
+        let interrupted = self.context.interruption();
+        let runs = spread(rows.len(), threads, |place| {
+            let mut system = self.system.boxed_clone();
+            let settings = Settings { digits: true, ..self.settings(&mut *system, &self.points.at(rows[place].run)) };
+            let goes_on = |_| {
+                if interrupted.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            };
+            crate::simulate_with(&mut *system, &settings, &mut { goes_on }).ok()
+        });
+        let mut judged = Judged::default();
+        judged.asked = true;
+        for (row, run) in rows.iter().zip(runs) {
+            if let Some(run) = run {
+                judged.note(&run, row, table, shown);
+            }
+        }
+        judged
+    }
+
     /// One run; `None` where it was interrupted.
     fn row(&self, run: usize, stopped: &impl Fn() -> bool, first_note: &OnceLock<String>) -> Option<Row> {
         if stopped() {
@@ -370,7 +408,7 @@ fn shown(options: &ArgMatches, results: &[String], columns: &[String]) -> Result
 fn print(
     table: &Table,
     (varied, shown): (usize, &[String]),
-    description: &Description,
+    (description, judged): (&Description, &Judged),
     out: &mut dyn Write,
 ) -> Result<(), Problem> {
     let places: Vec<usize> = (0..varied).chain(shown.iter().filter_map(|name| table.column(name))).collect();
@@ -383,7 +421,9 @@ fn print(
     };
     let mut lines = vec![std::iter::once(table.names[0].clone()).chain(places.iter().map(title)).collect::<Vec<_>>()];
     for row in table.rows.iter().take(MOST_ROWS) {
-        let cell = |k: &usize| row.cells[*k].map_or_else(|| "-".to_owned(), short);
+        let cell = |k: &usize| {
+            row.cells[*k].map_or_else(|| "-".to_owned(), |value| judged.text(row.run, &table.names[1 + k], value))
+        };
         let failed = if row.error.is_empty() { None } else { Some("failed".to_owned()) };
         lines.push(std::iter::once(row.run.to_string()).chain(places.iter().map(cell)).chain(failed).collect());
     }
@@ -395,6 +435,9 @@ fn print(
     }
     if table.rows.len() > MOST_ROWS {
         writeln!(out, "and {} more runs; the table that is written has them all", table.rows.len() - MOST_ROWS)?;
+    }
+    if !judged.asked {
+        writeln!(out, "how many digits hold was not asked; `simulate` with the values of a run tells it")?;
     }
     Ok(())
 }
