@@ -198,3 +198,29 @@ fn errors_fall_with_the_step_at_each_method_s_order_down_to_rounding() {
     let error = told(&["simple_pendulum", "--json"]).unwrap_err();
     assert!(error.contains("--steps"), "{error}");
 }
+
+/// The robot's ticks cut steps to 5 ms at the longest: longer ones are all the same run, and from there on errors fall at the fourth order.
+#[test]
+fn steps_that_ticks_cut_are_one_run() {
+    let csv = file("ticks.csv");
+    let arguments = ["sampled_robot", "--steps", "--methods", "rk4", "--max-steps", "4000", "--csv", text(&csv)];
+    let printed = told(&arguments).unwrap();
+    assert!(printed.contains("Errors still fall with the most steps that were taken for rk4"), "{printed}");
+    let table = fs::read_to_string(&csv).unwrap();
+    let row = |line: &str| -> [f64; 3] {
+        let cells: Vec<&str> = line.split(',').collect();
+        [3, 4, 5].map(|cell| cells[cell].parse().expect("a number"))
+    };
+    let rows: Vec<[f64; 3]> = table.lines().skip(1).map(row).collect();
+    assert!((rows[0][0] / 5e-3 - 1.0).abs() < 1e-9 && rows[0][1] == 400.0, "{table}");
+    assert!(rows.len() > 3 && rows.windows(2).all(|pair| pair[0][1] < pair[1][1]), "{table}");
+    for pair in rows.windows(2).skip(1) {
+        let order = (pair[0][2] / pair[1][2]).ln() / (pair[0][0] / pair[1][0]).ln();
+        assert!((order - 4.0).abs() < 0.6, "{order}: {table}");
+    }
+    // The chart of work has as many evaluations only once.
+    told(&["sampled_robot", "--methods", "rk4", "--until", "0.2", "--csv", text(&csv)]).unwrap();
+    let table = fs::read_to_string(&csv).unwrap();
+    let evaluations: Vec<&str> = table.lines().skip(1).filter_map(|line| line.split(',').nth(8)).collect();
+    assert!(evaluations.len() > 2 && evaluations.windows(2).all(|pair| pair[0] != pair[1]), "{table}");
+}

@@ -30,6 +30,22 @@ const NEARLY_ROUNDED: f64 = 1e-9;
 /// A curve has no more points.
 const MOST: usize = 60;
 
+/// Whether two runs that keep their steps took as many: ticks and known times cut both alike, and the shorter step is no further run.
+fn took_as_many(before: &Point, point: &Point) -> bool {
+    let steps = |point: &Point| match (point.control, &point.outcome) {
+        (AccuracyControl::Step(_), Ok(found)) => Some(found.work.steps),
+        _ => None,
+    };
+    steps(point).is_some() && steps(before) == steps(point)
+}
+
+/// The step that a run takes on the average, s.
+fn average_step(point: &Point, reference: &Reference) -> f64 {
+    let steps = point.outcome.as_ref().map_or(1, |found| found.work.steps);
+    let times = reference.times();
+    (times[times.len() - 1] - times[0]) / steps as f64
+}
+
 impl Curve {
     /// Runs a candidate from coarse to fine, until the reference has no more digits or the cost passes all bounds.
     pub(super) fn measure(candidate: &Candidate, reference: &Reference, repetitions: usize) -> Result<Curve, Error> {
@@ -43,7 +59,10 @@ impl Curve {
         for _ in 0..MOST {
             let Some(point) = Point::measure(&mut *system, candidate, control, reference, repetitions)? else { break };
             let at_floor = point.outcome.as_ref().is_ok_and(|found| found.error <= reference.floor());
-            curve.points.push(point);
+            match curve.points.last_mut().filter(|before| took_as_many(before, &point)) {
+                Some(before) => before.control = AccuracyControl::Step(average_step(before, reference)),
+                None => curve.points.push(point),
+            }
             if at_floor {
                 break;
             }

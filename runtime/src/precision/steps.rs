@@ -66,7 +66,7 @@ pub struct StepCurve {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct StepPoint {
-    /// The step, s.
+    /// The step, s; the average where ticks and known times cut several that were asked for alike.
     pub step: f64,
     /// How many were taken; 0 where the run failed.
     pub steps: u64,
@@ -253,7 +253,11 @@ impl StepCurve {
                 Err(Error::Run(failure)) => StepPoint { step, steps: 0, error: Err(failure.cause.code()) },
                 Err(error) => return Err(error),
             };
-            curve.points.push(point);
+            // A shorter step that is cut into as many is no further run.
+            match curve.points.last_mut().filter(|before| before.steps > 0 && before.steps == point.steps) {
+                Some(before) => before.step = INSTANTS as f64 * interval / point.steps as f64,
+                None => curve.points.push(point),
+            }
             if curve.stands_still() {
                 break;
             }
@@ -273,9 +277,10 @@ impl StepCurve {
         found.min_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// The order at which errors fall with the step: the median over halvings between long steps and rounding.
+    /// The order at which errors fall with the step: the median from each step to the next between long ones and rounding.
     pub fn observed_order(&self) -> Option<f64> {
-        let mut slopes: Vec<f64> = self.falling().windows(2).map(|pair| (pair[0].1 / pair[1].1).log2()).collect();
+        let order = |pair: &[(f64, f64)]| (pair[0].1 / pair[1].1).ln() / (pair[0].0 / pair[1].0).ln();
+        let mut slopes: Vec<f64> = self.falling().windows(2).map(order).collect();
         slopes.sort_by(f64::total_cmp);
         slopes.get(slopes.len() / 2).copied()
     }
