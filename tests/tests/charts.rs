@@ -224,3 +224,11 @@ fn steps_that_ticks_cut_are_one_run() {
     let evaluations: Vec<&str> = table.lines().skip(1).filter_map(|line| line.split(',').nth(8)).collect();
     assert!(evaluations.len() > 2 && evaluations.windows(2).all(|pair| pair[0] != pair[1]), "{table}");
 }
+
+/// A load on a steel rope that starts at rest: what the rope does between the ends of one method's steps two others agree on.
+#[test]
+fn a_scene_that_starts_near_rest_is_charted_to_its_end() {
+    let crane = concat!(env!("CARGO_MANIFEST_DIR"), "/needs/crane.yaml");
+    let printed = told(&[crane, "--methods", "dop853", "--compare", "l"]).unwrap();
+    assert!(printed.starts_with("Crane until t = 12\n") && !printed.contains("the scene goes on"), "{printed}");
+}

@@ -48,7 +48,8 @@ pub(crate) const AGREED: f64 = 1e-8;
 /// What moves less beside the most that has its unit is measured by so much of that, or by all of it where that is rounding.
 pub(crate) const SMALL: f64 = 1e-6;
 const ROUNDED: f64 = 1e-12;
-/// Two of these that agree, in this order.
+/// The first two of these that go through the motion; a third beside them where they do not agree until its end, as where a long step of one
+/// leaves fewer digits between its ends to what is stiff.
 const METHODS: [(Method, f64); 4] =
     [(Method::Dop853, 1e-14), (Method::Dopri5, 1e-13), (Method::Radau5, 1e-12), (Method::Rodas5P, 1e-11)];
 /// No run of a reference takes more steps.
@@ -67,17 +68,32 @@ impl Reference {
     /// The reference of a candidate's scene, for these columns; none: its coordinates.
     pub(crate) fn find(candidate: &Candidate, columns: &[String]) -> Result<Reference, Error> {
         let mut system = candidate.system.boxed_clone();
+        let of = |first: &Run, second: &Run| Reference::of(first, second, (&candidate.settings, columns));
         let mut runs: Vec<Run> = Vec::new();
-        let mut failure = None;
+        let (mut failure, mut cut) = (None, None);
         for (method, tolerance) in METHODS {
             match simulate(&mut *system, &exact(&candidate.settings, method, tolerance)) {
                 Ok(run) => runs.push(run),
                 Err(error @ Error::Run(_)) if !error.is_interruption() => failure = Some(error),
                 Err(error) => return Err(error),
             }
-            if let [first, second] = runs.as_slice() {
-                return Reference::of(first, second, (&candidate.settings, columns));
+            match runs.as_slice() {
+                [first, second] => match of(first, second) {
+                    Ok(whole) if !whole.is_cut => return Ok(whole),
+                    found => cut = Some(found),
+                },
+                [first, second, third] => {
+                    let mut found = [first, second].into_iter().filter_map(|other| of(other, third).ok());
+                    if let Some(whole) = found.find(|found| !found.is_cut) {
+                        return Ok(whole);
+                    }
+                    break;
+                }
+                _ => {}
             }
+        }
+        if let Some(cut) = cut {
+            return cut;
         }
         let why = failure.map_or_else(String::new, |error| format!(": {error}"));
         Err(Error::NoReference { why: format!("no two methods go through the motion{why}") })
