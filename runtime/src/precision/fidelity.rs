@@ -34,6 +34,17 @@ pub struct Fidelity {
     pub chosen: Option<Verified>,
 }
 
+/// ` at a tolerance of 1e-9`, ` at tolerances of 1e-3 to 1e-9`: at which models were run.
+fn at(points: &[Verified]) -> String {
+    match points {
+        [] => String::new(),
+        [first, .., last] if first.tolerance != last.tolerance => {
+            format!(" at tolerances of {:e} to {:e}", first.tolerance, last.tolerance)
+        }
+        [first, ..] => format!(" at a tolerance of {:e}", first.tolerance),
+    }
+}
+
 /// Points that are listed by name.
 const LISTED: usize = 14;
 /// Errors are not known better than this.
@@ -57,11 +68,12 @@ impl Fidelity {
         let need = [least, most].map(|work| work.is_finite().then_some((self.within, work)));
         let error = Axis::new(format!("error (part of {})", self.measure), "").log().reversed();
         let work = Axis::new("work (evaluations of the full model)", "").log();
-        let mut chart = Chart::new(self.title.clone(), error, work)
+        let mut chart = Chart::new(self.heading(), error, work)
             .with(Series { style: Style::Dashed, ..Series::line("what is asked for", need) })
-            .with(Series::marked_line("the full model", self.full.iter().map(place)));
+            .with(Series::marked_line(format!("the full model{}", at(&self.full)), self.full.iter().map(place)));
         if let Some(chosen) = &self.chosen {
-            chart = chart.with(Series::marks(chosen.name.clone(), [place(chosen)]));
+            let name = chosen.name.clone() + &at(std::slice::from_ref(chosen));
+            chart = chart.with(Series::marks(name, [place(chosen)]));
         }
         for (name, place) in drawn.iter().take(LISTED) {
             chart = chart.with(Series::marks(*name, [Some(*place)]));
@@ -70,6 +82,14 @@ impl Fidelity {
             chart = chart.with(Series::marks("others", drawn[LISTED..].iter().map(|(_, place)| Some(*place))));
         }
         chart
+    }
+
+    /// The title, and at which tolerance ingredients are left out one by one, which is not that of all points of the full model.
+    fn heading(&self) -> String {
+        if self.reductions.is_empty() {
+            return self.title.clone();
+        }
+        format!("{}, each alone{}", self.title, at(&self.reductions))
     }
 
     /// All points, in the columns of [`WorkPrecision::to_csv`](super::WorkPrecision::to_csv); what was not measured of them is empty.
