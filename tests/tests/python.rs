@@ -217,6 +217,35 @@ fn close_solution(what: &str, ours: &[f64], theirs: &[f64]) {
     }
 }
 
+/// Of the five rows of Bennett's linkage two are independent: a position that is off by 1e-6 has the accelerations of one on its constraints, to that.
+#[test]
+fn rows_that_depend_on_each_other_are_chosen_by_their_number() {
+    let Some(python) = python() else { return };
+    let folder = std::env::temp_dir().join(format!("dalembert-python-rows-{}", std::process::id()));
+    fs::create_dir_all(&folder).unwrap();
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/bennett.yaml");
+    let Asked { mut system, states } = asked(&path, "off", &folder);
+    let off = |e: f64| {
+        let states = states.iter().map(|(t, q, v, phase)| {
+            let q: Vec<f64> = q.iter().enumerate().map(|(i, q)| q + if i == 1 { e } else { 0.0 }).collect();
+            json!({"t": t, "q": q, "v": v, "phase": phase, "memory": []})
+        });
+        json!({"module": "off", "states": states.collect::<Vec<Value>>()}).to_string() + "\n"
+    };
+    let answers = answers(python, &folder, &[off(1e-6), off(1e-7)].concat());
+    for (answer, bound) in answers.iter().zip([1e-4, 1e-5]) {
+        for ((t, q, v, _), answer) in states.iter().zip(answer.as_array().unwrap()) {
+            let (n, mut lambda) = (q.len(), vec![0.0; system.description().rows.len()]);
+            let mut a = vec![0.0; n];
+            system.accelerations_and_multipliers(At::new(*t, q, v), &mut a, &mut lambda).unwrap();
+            let theirs = &numbers(&answer["rate"])[n..];
+            let scale = a.iter().fold(1.0_f64, |largest, x| largest.max(x.abs()));
+            assert!(a.iter().zip(theirs).all(|(x, y)| (x - y).abs() < bound * scale), "{a:?} {theirs:?}");
+        }
+    }
+    fs::remove_dir_all(folder).unwrap();
+}
+
 /// An input that is given stays as it is: m x'' + c x' + k x = F with m = c = k = 1 and both other ends at rest.
 #[test]
 fn inputs_of_a_module_may_be_given() {

@@ -12,10 +12,62 @@ use crate::model::local_name;
 
 /// Python's keywords, the names that the module has of itself, and those of Python that it calls.
 const TAKEN: &[&str] = &[
-    "False", "None", "True", "and", "as", "assert", "async", "await", "break", "class", "continue", "def", "del",
-    "elif", "else", "except", "finally", "for", "from", "global", "if", "import", "in", "is", "lambda", "nonlocal",
-    "not", "or", "pass", "raise", "return", "try", "while", "with", "yield", "np", "t", "q", "v", "p", "u", "phase",
-    "memory", "out", "n", "pieces_", "piece_", "powers_", "bicubic_", "float", "int", "len", "list", "max", "range",
+    "False",
+    "None",
+    "True",
+    "and",
+    "as",
+    "assert",
+    "async",
+    "await",
+    "break",
+    "class",
+    "continue",
+    "def",
+    "del",
+    "elif",
+    "else",
+    "except",
+    "finally",
+    "for",
+    "from",
+    "global",
+    "if",
+    "import",
+    "in",
+    "is",
+    "lambda",
+    "nonlocal",
+    "not",
+    "or",
+    "pass",
+    "raise",
+    "return",
+    "try",
+    "while",
+    "with",
+    "yield",
+    "np",
+    "t",
+    "q",
+    "v",
+    "p",
+    "u",
+    "phase",
+    "memory",
+    "out",
+    "n",
+    "independent_",
+    "pieces_",
+    "piece_",
+    "powers_",
+    "bicubic_",
+    "float",
+    "int",
+    "len",
+    "list",
+    "max",
+    "range",
     "zip",
 ];
 
@@ -79,11 +131,13 @@ def accelerations(t, q, v, p=PARAMETERS, phase={start}{=more}):
     M = mass_matrix(t, q, v, p, phase{more})
     J = constraint_matrix(t, q, v, p, phase{more})[rows, :]
     B = friction(t, q, v, p, phase{more})[:, rows]
-    n, m = len(COORDINATES), len(rows)
-    K = np.block([[M, -(J.T + B)], [J, np.zeros((m, m))]])
-    right = np.concatenate([-bias(t, q, v, p, phase{more}), -constraint_bias(t, q, v, p, phase{more})[rows]])
+    gamma = constraint_bias(t, q, v, p, phase{more})[rows]
+    n, m = len(COORDINATES), {rank}
+    push = J.T + B
+{choose}    K = np.block([[M, -push], [J, np.zeros((m, m))]])
+    right = np.concatenate([-bias(t, q, v, p, phase{more}), -gamma])
     x = np.linalg.lstsq(K, right, rcond=None)[0] if m else np.linalg.solve(K, right)
-    return x[:n], x[n:]
+    return x[:n], {multipliers}
 
 
 def rate(t, x, p=PARAMETERS, phase={start}{=more}):
@@ -91,6 +145,30 @@ def rate(t, x, p=PARAMETERS, phase={start}{=more}):
     q, v = np.split(np.asarray(x, dtype=float), 2)
     return np.concatenate([v, accelerations(t, q, v, p, phase{more})[0]])
 "#;
+
+/// What chooses rows where some depend on others, by the rule of runs.
+const INDEPENDENT: &str = r#"
+
+def independent_(M, J, rank):
+    """As many rows of J as are independent in general, by the pivots of J W^-1 J^T, and what makes the least multipliers of all rows of theirs.
+    W = M + J^T R J moves as M does, and is regular where M alone need not be."""
+    tiny = np.finfo(float).tiny
+    W = M + (J.T*(np.max(np.diag(M))/np.maximum(np.sum(J*J, axis=1), tiny))) @ J
+    S = J @ np.linalg.solve(W, J.T)
+    lengths = np.sqrt(np.maximum(np.diag(S), tiny))
+    S = S/lengths/lengths[:, None]
+    left, kept = S, []
+    for _ in range(rank):
+        k = np.argmax(np.diag(left))
+        kept = kept + [k]
+        left = left - left[:, k][:, None]*left[k]/np.maximum(left[k, k], np.finfo(float).eps)
+    kept = np.array(kept, dtype=int)
+    return kept, S[kept].T/lengths[:, None]
+"#;
+/// In the place of the rows of a phase those that are chosen.
+const CHOOSE: &str = "    kept, least = independent_(M, J, m)
+    J, push, gamma = J[kept], push @ least, gamma[kept]
+";
 
 /// The module's text; `name` is what a person imports it as.
 pub fn python(program: &Program, name: &str) -> String {
@@ -237,6 +315,11 @@ impl Module<'_> {
             let rows =
                 strings(&mut (0..self.program.constraints.len()).map(|k| model.row_name(k)).collect::<Vec<_>>().iter());
             let _ = writeln!(text, "}}\n\nROWS = [{rows}]");
+            if self.is_overdetermined() {
+                let ranks: Vec<String> = (0..model.phases.len()).map(|k| self.program.rank_of(k).to_string()).collect();
+                let _ =
+                    writeln!(text, "\n# How many rows of each phase are independent.\nRANKS = [{}]", ranks.join(", "));
+            }
         } else if model.phases.len() > 1 {
             let names = strings(&mut model.phases.iter().map(|phase| &phase.name));
             let _ = writeln!(
@@ -391,9 +474,26 @@ impl Module<'_> {
         values
     }
 
+    /// Whether rows of a phase depend on each other.
+    fn is_overdetermined(&self) -> bool {
+        let model = &self.program.model;
+        let depends = |(k, phase)| self.program.rank_of(k) < model.rows_of(phase).len();
+        model.phases.iter().enumerate().any(depends)
+    }
+
+    /// Accelerations with constraints; rows are chosen where some depend on others.
+    fn constrained(&self) -> String {
+        let [independent, choose, rank, multipliers] = match self.is_overdetermined() {
+            true => [INDEPENDENT, CHOOSE, "RANKS[phase]", "least @ x[n:]"],
+            false => ["", "", "len(rows)", "x[n:]"],
+        };
+        let text = CONSTRAINED.replace("{choose}", choose).replace("{rank}", rank);
+        independent.to_owned() + &text.replace("{multipliers}", multipliers)
+    }
+
     fn tail(&mut self, constrained: bool) {
         let [default, more] = self.more();
-        let text = if constrained { CONSTRAINED } else { FREE };
+        let text = if constrained { self.constrained() } else { FREE.to_owned() };
         let text = text.replace("{start}", &self.start().to_string());
         self.out += &text.replace("{=more}", &default).replace("{more}", &more);
     }
