@@ -421,9 +421,26 @@ fn each_once<'a>(option: &str, texts: impl Iterator<Item = &'a str>) -> Result<V
         if pairs.iter().any(|(known, _)| known == name) {
             return Err(Problem::usage(format!("--{option} gives `{name}` twice")));
         }
+        if let Some(next) = next_pair(value) {
+            return Err(Problem::usage(format!(
+                "--{option} takes one NAME=VALUE each time: write --{option} again for `{next}`"
+            )));
+        }
         pairs.push((name.to_owned(), value.to_owned()));
     }
     Ok(pairs)
+}
+
+/// `y=2` in `1,y=2`: another pair behind a comma, which is no part of a value.
+fn next_pair(value: &str) -> Option<&str> {
+    let (before, _) = value.split_once('=')?;
+    let comma = before.rfind(',')?;
+    let name = before[comma + 1..].trim();
+    let is_name = name.starts_with(|c: char| c.is_alphabetic() || c == '_')
+        && name.chars().all(|c| c.is_alphanumeric() || "_'.[]".contains(c));
+    let depth = |c: char| i32::from("([{".contains(c)) - i32::from(")]}".contains(c));
+    let is_outside = before[..comma].chars().map(depth).sum::<i32>() == 0;
+    (is_name && is_outside).then(|| value[comma + 1..].trim())
 }
 
 /// What an option lists: it may be given several times, and each time name several with commas between them.
