@@ -2,6 +2,7 @@
 //!
 //! An attack is a file with one piece in it; the neighbour is the same file with another piece.
 
+use dalembert_symbolic::expr::{Symbol, Tape};
 use dalembert_symbolic::lower::compile;
 
 /// The codes and messages of a file.
@@ -213,6 +214,33 @@ fn what_follows_from_a_mistake_is_not_told() {
     // Another claim is.
     let two = "conserved: {energy: {value: energy, when: {Fo: 0}}, momentum: m*x'}";
     assert_eq!(codes(two), ["E201", "E509"]);
+}
+
+/// What is conserved where one mass is three times another: at every mass that is drawn, and watched where it is so up to rounding.
+#[test]
+fn a_condition_on_one_parameter_goes_by_the_values_of_others() {
+    let file = |when: &str| {
+        format!(
+            "name: Pair\nparameters: {{m: 1 kg, M: 3 kg, k: 7 N/m}}\ncoordinates: {{x: m, y: m}}\n\
+             bodies: {{a: {{mass: m, position: \"[x, 0]\"}}, b: {{mass: M, position: \"[y, 0]\"}}}}\n\
+             springs: {{s: {{stretch: x - y, stiffness: k, along: \"[1, 0]\", on: a, from: b}}}}\n\
+             conserved: {{drift: {{value: x' + 3*y', when: {{{when}}}}}}}\n"
+        )
+    };
+    for when in ["M: 3*m", "M: 3, m: 1", "m: M/3, k: 2"] {
+        assert_eq!(told(&file(when)), [""; 0], "{when}");
+    }
+    for when in ["M: 2*m", "M: 3"] {
+        assert!(told(&file(when))[0].starts_with("E509"), "{when}");
+    }
+    assert!(told(&file("m: 2, M: 3*m"))[0].starts_with("E465"));
+    let program = compile(&file("M: 3*m"), &[]).unwrap();
+    let drift = |masses: [f64; 2]| {
+        let value = |symbol: Symbol| if let Symbol::Parameter(place) = symbol { masses[place as usize] } else { 1.0 };
+        Tape::new(&program.model.graph, &program.invariants[..1]).evaluate(value)[0]
+    };
+    assert_eq!([drift([1.0, 3.0]), drift([0.1, 0.3])], [4.0, 4.0]);
+    assert!(!drift([0.1, 0.300_000_1]).is_finite());
 }
 
 #[test]

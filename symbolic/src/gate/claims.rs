@@ -15,7 +15,7 @@ use crate::diagnose::catalogue::verdicts;
 use crate::diagnose::{Place, Problem};
 use crate::expr::vectors::axes;
 use crate::expr::{Graph, Id, Measured, Scalar, Symbol, Tape, Unary};
-use crate::model::{Check, Conserved, Model};
+use crate::model::{Check, Condition, Conserved, Model};
 use crate::number::DoubleDouble;
 
 /// The rates of everything that is claimed to be conserved, component by component.
@@ -70,20 +70,21 @@ impl Claims<'_> {
     }
 
     /// The states of a claim that holds for some values of parameters only.
-    fn states_when(
-        &self,
-        when: &[(usize, f64)],
-        (place, name): (&Place, &str),
-    ) -> Result<Cow<'_, States>, Vec<Problem>> {
+    fn states_when(&self, when: &[Condition], (place, name): (&Place, &str)) -> Result<Cow<'_, States>, Vec<Problem>> {
         if when.is_empty() {
             return Ok(Cow::Borrowed(self.states));
         }
-        let found = states::states(self.model, self.motion, when, self.own, self.gate);
+        let found = states::states(self.model, self.motion, &set_by(when), self.own, self.gate);
         found.map(Cow::Owned).map_err(|problem| match problem.code {
             "E504" => vec![verdicts::too_few_states_when(place.clone().key("when"), name)],
             _ => vec![*problem],
         })
     }
+}
+
+/// The parameters that conditions set, and to what.
+pub(super) fn set_by(when: &[Condition]) -> Vec<(usize, Id)> {
+    when.iter().map(|condition| (condition.parameter, condition.value)).collect()
 }
 
 /// Every derivative must vanish by the magnitude of its own terms: the largest rate beside them.

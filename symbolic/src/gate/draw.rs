@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::motion::Motion;
 use super::state::{Origin, State};
 use super::trajectory::Trajectory;
-use crate::expr::{Id, Symbol, Tape};
+use crate::expr::{Graph, Id, Symbol, Tape};
 use crate::language::{BASES, parse_unit};
 use crate::model::{Model, Rotation};
 use crate::number::DoubleDouble;
@@ -70,20 +70,20 @@ impl<'a> Draws<'a> {
         }
     }
 
-    /// The next state, without its motion; `when` fixes some parameters.  Near and at large by turns.
-    pub(super) fn next(&mut self, when: &[(usize, f64)]) -> State {
+    /// The next state, without its motion, with these parameters or drawn ones, of which `when` sets some.  Near and at large by turns.
+    pub(super) fn next(&mut self, own: Option<&[f64]>, when: &[(usize, Id)]) -> State {
         self.drawn += 1;
         let large = self.drawn.is_multiple_of(2);
-        let (mut state, start) = self.near(self.drawn / 2, when, if large { 3.0 } else { 0.4 }, large);
+        let (mut state, start) = self.near(self.drawn / 2, (own, when), if large { 3.0 } else { 0.4 }, large);
         state.t = DoubleDouble::from(self.random.between(0.0, start.2));
         state.origin = if large { Origin::Large } else { Origin::Near };
         state
     }
 
     /// A state near a scene's start in which only some coordinates move.
-    pub(super) fn group(&mut self, moving: &[usize], when: &[(usize, f64)]) -> State {
+    pub(super) fn group(&mut self, moving: &[usize], when: &[(usize, Id)]) -> State {
         self.drawn += 1;
-        let (mut state, start) = self.near(self.drawn, when, 0.4, false);
+        let (mut state, start) = self.near(self.drawn, (None, when), 0.4, false);
         for i in (0..state.v.len()).filter(|i| !moving.contains(i)) {
             state.v[i] = DoubleDouble::ZERO;
         }
@@ -92,9 +92,9 @@ impl<'a> Draws<'a> {
         state
     }
 
-    /// The first scene's start, at rest; `when` fixes some parameters.
-    pub(super) fn first(&mut self, when: &[(usize, f64)]) -> State {
-        self.place(0, when, 0.0, false).0
+    /// The first scene's start, at rest, with these parameters.
+    pub(super) fn first(&mut self, own: &[f64]) -> State {
+        self.place(0, (Some(own), &[]), 0.0, false).0
     }
 
     /// A position not far from another one.
@@ -108,14 +108,8 @@ impl<'a> Draws<'a> {
     }
 
     /// Parameters, and coordinates and speeds about a scene's start (or about 0): the state, and the start as numbers.
-    fn near(
-        &mut self,
-        scene: usize,
-        when: &[(usize, f64)],
-        spread: f64,
-        large: bool,
-    ) -> (State, (Vec<f64>, Vec<f64>, f64)) {
-        let (mut state, start) = self.place(scene, when, spread, large);
+    fn near(&mut self, scene: usize, set: Set<'_>, spread: f64, large: bool) -> (State, (Vec<f64>, Vec<f64>, f64)) {
+        let (mut state, start) = self.place(scene, set, spread, large);
         let natural = self.natural_speeds(&mut state);
         for (i, natural) in natural.into_iter().enumerate() {
             let middle = if large { 0.0 } else { start.1[i] };
@@ -134,17 +128,11 @@ impl<'a> Draws<'a> {
     }
 
     /// Parameters and coordinates about a scene's start (or about 0), at rest, and the start as numbers.
-    fn place(
-        &mut self,
-        scene: usize,
-        when: &[(usize, f64)],
-        spread: f64,
-        large: bool,
-    ) -> (State, (Vec<f64>, Vec<f64>, f64)) {
+    fn place(&mut self, scene: usize, set: Set<'_>, spread: f64, large: bool) -> (State, (Vec<f64>, Vec<f64>, f64)) {
         let n = self.model.coordinates.len();
-        let parameters = self.parameters(scene, when);
+        let (parameters, rests) = self.parameters(scene, set);
         let start = self.start(scene, &parameters);
-        let mut state = State::at_rest(parameters, n);
+        let mut state = State { rests, ..State::at_rest(parameters, n) };
         state.memory = self.memory(scene, &state, spread, large);
         for i in 0..n {
             let middle = if large { 0.0 } else { start.0[i] };
@@ -225,33 +213,30 @@ impl<'a> Draws<'a> {
     }
 
     /// Each parameter times 0.8 … 1.25; one that is 0 by default with either sign and as 0.  Masses stay positive.
-    fn parameters(&mut self, scene: usize, when: &[(usize, f64)]) -> Vec<f64> {
+    fn parameters(&mut self, scene: usize, (own, when): Set<'_>) -> (Vec<f64>, Vec<f64>) {
         let mut given: Vec<f64> = self.model.parameters.iter().map(|p| p.default).collect();
         // Every third state has the values that a scene sets.
         if self.drawn.is_multiple_of(3) {
             given = with_set(&self.model.graph, &self.starts[scene % self.starts.len()].set, given);
         }
         let zero_sign = [1.0, -1.0, 0.0][self.drawn % 3];
-        let mut parameters = Vec::new();
+        let (mut parameters, mut rests) = (Vec::new(), Vec::new());
         for attempt in 0..20 {
-            parameters = given.iter().map(|&x| self.drawn_parameter(x, zero_sign)).collect();
-            for &(i, value) in when {
-                if let Some(p) = parameters.get_mut(i) {
-                    *p = value;
-                }
-            }
+            let drawn: Vec<f64> = given.iter().map(|&x| self.drawn_parameter(x, zero_sign)).collect();
+            (parameters, rests) = with_conditions(&self.model.graph, when, own.map_or(drawn, <[f64]>::to_vec));
             let value = |s: Symbol| match s {
                 Symbol::Parameter(i) => parameters.get(i as usize).copied().unwrap_or(0.0),
                 _ => 0.0,
             };
-            if self.inertias.evaluate(value).iter().all(|m| *m >= 0.0) {
-                return parameters;
+            let known = parameters.iter().all(|x| x.is_finite());
+            if known && self.inertias.evaluate(value).iter().all(|m| *m >= 0.0) {
+                return (parameters, rests);
             }
             if attempt > 0 {
                 given.iter_mut().filter(|x| **x == 0.0).for_each(|x| *x = 0.5);
             }
         }
-        parameters
+        (parameters, rests)
     }
 
     fn drawn_parameter(&mut self, default: f64, zero_sign: f64) -> f64 {
@@ -277,8 +262,29 @@ impl<'a> Draws<'a> {
     }
 }
 
+/// Parameters in the place of drawn ones, and values that some get of the others.
+type Set<'a> = (Option<&'a [f64]>, &'a [(usize, Id)]);
+
+/// Parameters of which the conditions of a claim set some, and what `f64` leaves out of these; one whose value does not exist there is no number.
+pub(super) fn with_conditions(graph: &Graph, when: &[(usize, Id)], mut parameters: Vec<f64>) -> (Vec<f64>, Vec<f64>) {
+    if when.is_empty() {
+        return (parameters, Vec::new());
+    }
+    let values: Vec<Id> = when.iter().map(|condition| condition.1).collect();
+    let value = |symbol: Symbol| match symbol {
+        Symbol::Parameter(place) => DoubleDouble::from(parameters[place as usize]),
+        _ => DoubleDouble::ZERO,
+    };
+    let values: Vec<DoubleDouble> = Tape::new(graph, &values).evaluate(value);
+    let mut rests = vec![0.0; parameters.len()];
+    for ((place, _), value) in when.iter().zip(values) {
+        (parameters[*place], rests[*place]) = (value.to_f64(), value.rest());
+    }
+    (parameters, rests)
+}
+
 /// Parameters after a scene's `set`.
-pub(super) fn with_set(graph: &crate::expr::Graph, set: &[(usize, Id)], mut parameters: Vec<f64>) -> Vec<f64> {
+pub(super) fn with_set(graph: &Graph, set: &[(usize, Id)], mut parameters: Vec<f64>) -> Vec<f64> {
     let values: Vec<Id> = set.iter().map(|s| s.1).collect();
     let value = |s: Symbol| match s {
         Symbol::Parameter(i) => parameters.get(i as usize).copied().unwrap_or(0.0),

@@ -2,8 +2,9 @@
 //!
 //! Both are asked with the parameters of the scenes: an impact takes no energy for one restitution, 1, only.
 
+use super::claims::set_by;
 use super::closing::Group;
-use super::draw::with_set;
+use super::draw::{with_conditions, with_set};
 use super::motion::Motion;
 use super::state::{State, describe};
 use super::states::States;
@@ -122,7 +123,7 @@ fn placed(
     motion: &Motion,
     (phase, further): (usize, &[usize]),
     states: &[State],
-    when: &[(usize, f64)],
+    when: &[(usize, Id)],
 ) -> Vec<State> {
     let defaults: Vec<f64> = model.parameters.iter().map(|p| p.default).collect();
     let mut sets: Vec<Vec<f64>> =
@@ -137,8 +138,7 @@ fn placed(
     let pairs = of_phase.flat_map(|state| sets.iter().map(move |set| (state, set)));
     let place = |(state, set): (&State, &Vec<f64>)| {
         let mut state = state.clone();
-        state.parameters.clone_from(set);
-        when.iter().for_each(|(i, x)| state.parameters[*i] = *x);
+        (state.parameters, state.rests) = with_conditions(graph, when, set.clone());
         motion.signals(&mut state);
         // Speeds follow from the rows of the phase alone.
         (group.close_places(&mut state, &weights) && motion.place(&mut state)).then_some(state)
@@ -165,7 +165,8 @@ pub(super) fn that_change(
                     return of_phase.into_iter().any(|state| is_set(model, *set, state, &value));
                 }
                 let struck = rows_of(model, motion, phase, action);
-                let at = placed((model, &model.graph), rows, motion, (phase, &struck), states, &invariant.when);
+                let at =
+                    placed((model, &model.graph), rows, motion, (phase, &struck), states, &set_by(&invariant.when));
                 !struck.is_empty() && at.iter().any(|state| is_changed(model, motion, (action, &struck), state, &value))
             })
         })

@@ -8,11 +8,13 @@ use crate::number::DoubleDouble;
 
 /// Parameters, a time and a state of motion.
 ///
-/// Free parameters are drawn as `f64`; all else has the digits of a double-double.
+/// Free parameters are drawn as `f64`; all else, and what follows from them, has the digits of a double-double.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
     /// Free parameters.
     pub parameters: Vec<f64>,
+    /// What these leave out of values that conditions compute; empty where there are none.
+    pub rests: Vec<f64>,
     /// Time.
     pub t: DoubleDouble,
     /// Coordinates.
@@ -63,6 +65,7 @@ impl State {
     pub fn at_rest(parameters: Vec<f64>, n: usize) -> State {
         State {
             parameters,
+            rests: Vec::new(),
             t: DoubleDouble::ZERO,
             q: vec![DoubleDouble::ZERO; n],
             v: vec![DoubleDouble::ZERO; n],
@@ -98,7 +101,7 @@ impl State {
                 let input = self.inputs.get(k as usize).and_then(|u| u.get(usize::from(order)));
                 input.copied().unwrap_or(DoubleDouble::ZERO)
             }
-            Symbol::Parameter(i) => float(&self.parameters, i),
+            Symbol::Parameter(i) => float(&self.parameters, i) + self.rests.get(i as usize).copied().unwrap_or(0.0),
             Symbol::Memory(j) => float(&self.memory, j),
             Symbol::Mode(k) => float(&self.modes, k),
             Symbol::Multiplier(k) => self.lambda.get(k as usize).map_or(DoubleDouble::ZERO, |l| l.value),

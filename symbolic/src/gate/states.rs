@@ -7,7 +7,7 @@
 //!    something: look in `near_switch`.
 
 use super::coarse_events::{Turns, VelocityJump};
-use super::draw::{Draws, with_set};
+use super::draw::{Draws, with_conditions, with_set};
 use super::lines::Reach;
 use super::locks::lock;
 use super::motion::{Incomplete, Motion};
@@ -17,7 +17,7 @@ use super::trajectory::{Passed, Trajectory};
 use super::{Gate, listed};
 use crate::diagnose::catalogue::verdicts;
 use crate::diagnose::{Place, Problem};
-use crate::expr::{Symbol, Tape};
+use crate::expr::{Id, Symbol, Tape};
 use crate::model::{Model, Scene};
 use crate::number::DoubleDouble;
 
@@ -74,7 +74,7 @@ pub(super) struct States {
 pub(super) fn states(
     model: &Model,
     motion: &Motion,
-    when: &[(usize, f64)],
+    when: &[(usize, Id)],
     own: &[State],
     gate: Gate,
 ) -> Result<States, Box<Problem>> {
@@ -131,7 +131,7 @@ struct StateSearch<'a> {
 
 impl StateSearch<'_> {
     /// States in which one group of coordinates moves, the others at rest.
-    fn groups_alone(&self, draws: &mut Draws<'_>, when: &[(usize, f64)], kept: &mut Vec<State>) {
+    fn groups_alone(&self, draws: &mut Draws<'_>, when: &[(usize, Id)], kept: &mut Vec<State>) {
         let most = if self.model.contacts_are_single() { ALONE } else { MOST_PHASES };
         for phase in 0..self.usual.len().min(most) {
             for group in groups(self.model).into_iter().take(self.room / 4) {
@@ -234,7 +234,7 @@ impl StateSearch<'_> {
 /// A step of a run as a state.
 pub(super) fn on_the_way(run: &Trajectory, step: &Passed) -> State {
     let double = |list: &[f64]| list.iter().map(|x| DoubleDouble::from(*x)).collect();
-    let mut state = State::at_rest(run.parameters.clone(), step.q.len());
+    let mut state = State { rests: run.rests.clone(), ..State::at_rest(run.parameters.clone(), step.q.len()) };
     (state.t, state.q, state.v) = (DoubleDouble::from(step.t), double(&step.q), double(&step.v));
     (state.phase, state.origin) = (step.phase, Origin::Motion);
     state
@@ -264,13 +264,12 @@ fn stretches(motion: &Motion, run: &Trajectory) -> Vec<Vec<State>> {
 }
 
 /// Coarse runs of the scenes.
-fn trajectories(model: &Model, motion: &Motion, when: &[(usize, f64)]) -> Vec<Trajectory> {
+fn trajectories(model: &Model, motion: &Motion, when: &[(usize, Id)]) -> Vec<Trajectory> {
     let n = motion.n;
     let turns = Turns::new(model);
     let run = |scene: &crate::model::Scene| {
         let defaults = model.parameters.iter().map(|p| p.default).collect();
-        let mut parameters = with_set(&model.graph, &scene.set, defaults);
-        when.iter().for_each(|(i, x)| parameters[*i] = *x);
+        let (parameters, rests) = with_conditions(&model.graph, when, with_set(&model.graph, &scene.set, defaults));
         let roots: Vec<_> = scene.q.iter().chain(&scene.v).copied().chain([scene.until]).collect();
         let value = |s: Symbol| match s {
             Symbol::Parameter(i) => parameters.get(i as usize).copied().unwrap_or(0.0),
@@ -279,7 +278,7 @@ fn trajectories(model: &Model, motion: &Motion, when: &[(usize, f64)]) -> Vec<Tr
         let start: Vec<f64> = Tape::new(&model.graph, &roots).evaluate(value);
         let until = if start[2 * n].is_finite() && start[2 * n] > 0.0 { start[2 * n] } else { 10.0 };
         let start = start_of(motion, scene, &parameters, &start[..2 * n]);
-        Trajectory::new(motion, &turns, parameters, start, until)
+        Trajectory { rests, ..Trajectory::new(motion, &turns, parameters, start, until) }
     };
     model.scenes.iter().take(SCENES).map(run).collect()
 }
@@ -305,7 +304,7 @@ fn drawn(
     model: &Model,
     motion: &Motion,
     draws: &mut Draws<'_>,
-    (when, positions): (&[(usize, f64)], &[State]),
+    (when, positions): (&[(usize, Id)], &[State]),
     wanted: usize,
     found: &mut States,
 ) -> Result<(), Box<Problem>> {
@@ -320,7 +319,7 @@ fn drawn(
     while found.all.len() < wanted && tried < most {
         tried += 1;
         let closes = motion.constraints.is_empty() || found.all.len() * 4 >= tried || tried < 2 * wanted.min(40);
-        let mut state = if closes { draws.next(when) } else { draws.next(&fixed(&own, when)) };
+        let mut state = draws.next(if closes { None } else { Some(&own) }, when);
         state.phase = tried % phases;
         if !closes {
             state.own = true;
@@ -414,10 +413,10 @@ fn enough(
 }
 
 /// The parameters of the first scene.
-fn own_parameters(model: &Model) -> Vec<(usize, f64)> {
+fn own_parameters(model: &Model) -> Vec<f64> {
     let defaults = model.parameters.iter().map(|p| p.default).collect();
     let set = model.scenes.first().map_or(&[][..], |scene| &scene.set);
-    with_set(&model.graph, set, defaults).into_iter().enumerate().collect()
+    with_set(&model.graph, set, defaults)
 }
 
 /// Positions that meet the constraints of each phase with the parameters of the first scene, one not far from the other,
@@ -447,12 +446,6 @@ pub(super) fn own_positions(model: &Model, motion: &Motion) -> Vec<State> {
         }
     }
     found
-}
-
-/// The file's parameters, some of them fixed to other values.
-fn fixed(own: &[(usize, f64)], when: &[(usize, f64)]) -> Vec<(usize, f64)> {
-    let of = |(i, x): &(usize, f64)| (*i, when.iter().find(|(k, _)| k == i).map_or(*x, |(_, x)| *x));
-    own.iter().map(of).collect()
 }
 
 /// Coordinates that are made to move alone: each, or each family where there are many.

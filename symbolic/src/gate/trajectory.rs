@@ -43,6 +43,8 @@ const DIFFERENCE: [f64; 7] =
 pub(super) struct Trajectory {
     /// The parameters.
     pub parameters: Vec<f64>,
+    /// What they leave out, as that of a state.
+    pub rests: Vec<f64>,
     /// Ends of steps, the start first; two at an event, before and after it.
     pub states: Vec<Passed>,
     /// Jumps of the speeds on the way.
@@ -83,7 +85,7 @@ impl Trajectory {
         }
         let Watched { blows, hits, .. } = runner.watched;
         let parameters = runner.rough.at.parameters;
-        Trajectory { parameters, states: runner.states, blows, hits, until }
+        Trajectory { parameters, rests: Vec::new(), states: runner.states, blows, hits, until }
     }
 
     /// When it ends.

@@ -30,7 +30,7 @@ use crate::derive::{Derivation, Equations, Switch, held_rates, rates};
 use crate::diagnose::Problem;
 use crate::expr::{Binary, Graph, Id, Node, Symbol, Unary, jacobian, logarithms_without_overflow, reverse, substitute};
 use crate::gate::{Judged, Report};
-use crate::model::{Contact, Files, Model, Scene, Shape, is_observed, is_of_units};
+use crate::model::{Condition, Contact, Files, Model, Scene, Shape, is_observed, is_of_units};
 
 pub use arguments::{Argument, Role, Watched};
 pub use constraints::{ConstrainedMotion, Constraints};
@@ -670,17 +670,31 @@ fn magnitude(graph: &mut Graph, root: Id) -> Id {
 }
 
 /// 1 where the parameters have these values and 0 elsewhere, so that a quotient by it is not finite there.
-fn watched(graph: &mut Graph, when: &[(usize, f64)]) -> Id {
+fn watched(graph: &mut Graph, when: &[Condition]) -> Id {
     let mut distance = Id::ZERO;
-    for &(i, value) in when {
-        let parameter = graph.symbol(Symbol::Parameter(i as u32));
-        let value = graph.float(value);
-        let difference = graph.sub(parameter, value);
+    for condition in when {
+        let parameter = graph.symbol(Symbol::Parameter(condition.parameter as u32));
+        let difference = graph.sub(parameter, condition.value);
         let size = graph.unary(Unary::Abs, difference);
-        distance = graph.add(distance, size);
+        let beyond = beyond_rounding(graph, size, condition.value);
+        distance = graph.add(distance, beyond);
     }
     let negative = graph.neg(distance);
     graph.unary(Unary::Step, negative)
+}
+
+/// A value that is computed is known to so many roundings of its own.
+const ROUNDINGS: f64 = 8.0;
+
+/// What is left of a distance from a value beyond the rounding with which that is computed; of a number none is.
+fn beyond_rounding(graph: &mut Graph, distance: Id, value: Id) -> Id {
+    if graph.number(value).is_some() {
+        return distance;
+    }
+    let (part, size) = (graph.float(ROUNDINGS * f64::EPSILON), graph.unary(Unary::Abs, value));
+    let rounding = graph.mul(part, size);
+    let left = graph.sub(distance, rounding);
+    graph.binary(Binary::Max, left, Id::ZERO)
 }
 
 fn drawn(shape: &Shape) -> Vec<Id> {

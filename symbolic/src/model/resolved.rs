@@ -225,9 +225,12 @@ impl Model {
     }
 
     /// The condition under which something is claimed: ` where c = 0 and k = 2`; nothing where it always holds.
-    pub fn condition(&self, when: &[(usize, f64)]) -> String {
-        let parts: Vec<String> =
-            when.iter().map(|(k, value)| format!("{} = {value}", self.parameters[*k].name)).collect();
+    pub fn condition(&self, when: &[Condition]) -> String {
+        let part = |c: &Condition| match self.graph.number(c.value) {
+            Some(number) => format!("{} = {}", self.parameters[c.parameter].name, number.to_f64()),
+            None => format!("{} = {}", self.parameters[c.parameter].name, c.written),
+        };
+        let parts: Vec<String> = when.iter().map(part).collect();
         if parts.is_empty() { String::new() } else { format!(" where {}", parts.join(" and ")) }
     }
 }
@@ -483,6 +486,17 @@ pub struct Change {
     pub value: Id,
 }
 
+/// A value that a parameter must have for a claim to hold.
+#[derive(Clone, Debug)]
+pub struct Condition {
+    /// The parameter's place.
+    pub parameter: usize,
+    /// Its value, of parameters that no condition of the claim sets.
+    pub value: Id,
+    /// The value as the file has it.
+    pub written: String,
+}
+
 /// A quantity that the file says is conserved.
 #[derive(Clone, Debug)]
 pub struct Conserved {
@@ -495,8 +509,8 @@ pub struct Conserved {
     pub terms: Vec<Vec<Id>>,
     /// True where `energy` or `potential_energy` stands in it.
     pub counts_energy: bool,
-    /// Parameters that must have these values.
-    pub when: Vec<(usize, f64)>,
+    /// Parameters that must have certain values.
+    pub when: Vec<Condition>,
     /// The phases in which it is claimed; absent: every.
     pub phases: Option<Vec<usize>>,
     /// Where it stands.
@@ -512,8 +526,8 @@ pub struct Check {
     pub left: Vec<Id>,
     /// Components of the right side.
     pub right: Vec<Id>,
-    /// Parameters that must have these values.
-    pub when: Vec<(usize, f64)>,
+    /// Parameters that must have certain values.
+    pub when: Vec<Condition>,
     /// The phases in which it is claimed; absent: every.
     pub phases: Option<Vec<usize>>,
     /// Where it stands.

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use super::words::paragraph;
 use crate::gate::shared_data;
 use crate::lower::Program;
+use crate::model::Condition;
 
 /// The file's own words, or the name.
 pub fn about(words: &str, name: &str) -> String {
@@ -34,7 +35,7 @@ pub fn tested(program: &Program) -> String {
     let model = &program.model;
     let conserved = model.conserved.iter().map(|claim| (claim.name.as_str(), claim.when.as_slice()));
     let checks = model.checks.iter().map(|claim| (claim.name.as_str(), claim.when.as_slice()));
-    let named = |claims: Vec<(&str, &[(usize, f64)])>| {
+    let named = |claims: Vec<(&str, &[Condition])>| {
         claims
             .into_iter()
             .map(|(name, when)| format!("`{name}`{}", model.condition(when)))

@@ -5,7 +5,7 @@
 // a thousandth and ten times as far too; and on both sides of every discontinuity that lies between two of them.
 
 use dalembert_symbolic::expr::{DoubleDouble, Scalar, Symbol, Tape};
-use dalembert_symbolic::model::{Model, Scene};
+use dalembert_symbolic::model::{Condition, Model, Scene};
 
 use super::judge::Route;
 
@@ -42,7 +42,7 @@ pub fn runs(model: &Model, route: &Route) -> Vec<Run> {
 }
 
 /// All states, the start of each scene first.
-pub fn moments(model: &Model, route: &Route, runs: &[Run], when: &[(usize, f64)]) -> Vec<Moment> {
+pub fn moments(model: &Model, route: &Route, runs: &[Run], when: &[Condition]) -> Vec<Moment> {
     let mut numbers = Numbers(0x2545_f491_4f6c_dd1d);
     let mut found = Vec::new();
     for run in runs {
@@ -56,7 +56,11 @@ pub fn moments(model: &Model, route: &Route, runs: &[Run], when: &[(usize, f64)]
         }
     }
     for moment in &mut found {
-        when.iter().for_each(|(i, x)| moment.parameters[*i] = *x);
+        let drawn = moment.parameters.clone();
+        let value = |symbol: Symbol| if let Symbol::Parameter(i) = symbol { drawn[i as usize] } else { f64::NAN };
+        for condition in when {
+            moment.parameters[condition.parameter] = Tape::new(&model.graph, &[condition.value]).evaluate(value)[0];
+        }
     }
     let mut found: Vec<Moment> = found.iter().filter_map(|moment| route.closed(moment, (&[], &[]))).collect();
     let sides = sides(route, &found);

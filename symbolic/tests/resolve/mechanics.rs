@@ -1,6 +1,6 @@
 //! Names and families, parameters, loads and their bodies, what is watched, scenes, drawings.
 
-use dalembert_symbolic::model::{EventAction, Model, Shape, Work, load};
+use dalembert_symbolic::model::{Condition, EventAction, Model, Shape, Work, load};
 
 use crate::{At, close, model};
 
@@ -282,7 +282,7 @@ fn watched() {
   sum_: sum(i*x, i in 1..2) - s + 1.5*l
 checks:
   zero: \"velocity(wheel, wheel_contact) = 0\"
-  both: {holds: \"x = x\", when: {k: 2*k}}
+  both: {holds: \"x = x\", when: {k: 2*c*w}}
   alone: x'' - x''
 sample: {x: [-0.9*l, 0.9*l], phi': [0, 1]}
 outputs: [tip, bead, x]
@@ -291,11 +291,15 @@ events: {e: {when: \"norm(velocity(tip)) - l*w\", direction: rising, if: x, then
     let at = at();
     let part = &found.conserved[1];
     assert_eq!((part.value.len(), part.terms[0].len()), (2, 2));
-    assert_eq!(part.when, [(2, 0.0), (0, 0.001)]);
+    let values = |when: &[Condition]| -> Vec<(usize, f64)> {
+        when.iter().map(|c| (c.parameter, at.values(&found, &[c.value])[0])).collect()
+    };
+    assert_eq!(values(&part.when), [(2, 0.0), (0, 0.001)]);
     close(&at.values(&found, &found.conserved[2].value), &[3.0 * 0.4 - 1.3 + 3.0]);
     close(&at.values(&found, &found.checks[0].left), &[0.0, 0.0]);
     assert_eq!(found.checks[0].right.len(), 2);
-    assert_eq!(found.checks[1].when, [(1, 200.0)]);
+    assert_eq!(values(&found.checks[1].when), [(1, 6.0)]);
+    assert_eq!(found.condition(&found.checks[1].when), " where k = 2*c*w");
     let names: Vec<&str> = found.outputs.iter().map(|output| output.name.as_str()).collect();
     assert_eq!(names, ["tip", "bead", "x"]);
     let sample = found.sample[1];

@@ -175,4 +175,7 @@ super::entries! {
     E464 touched_without_mass(name, contact, phase) "a contact or friction of what has no mass"
         "the coordinate `{name}` carries no mass, and `{contact}` touches what it moves" "nothing determines it while `{phase}`" "give what `{contact}` touches a mass; a spring in series with dry friction may be a state of first order instead, whose rate is that of the spring while its force is below the limit"
         "What has no mass is where the forces on it balance, at every instant. Friction that begins to slip would let it start at once with the speed of what pulls it, and the choice between sticking and slipping goes by accelerations.";
+    E465 moving_condition(name, other) "a condition that moves with another one"
+        "the value of `{name}` contains `{other}`, which this `when` sets too" "" "write the value that `{name}` has then"
+        "A claim with `when` is tested with parameters drawn at random, of which those in `when` get their values.";
 }

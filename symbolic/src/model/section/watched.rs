@@ -13,7 +13,7 @@ use crate::model::expression::radians;
 use crate::model::expression::rules::Rules;
 use crate::model::expression::scope::Member;
 use crate::model::expression::value::Value;
-use crate::model::resolved::{Check, Conserved, Output, Sample};
+use crate::model::resolved::{Check, Condition, Conserved, Output, Sample};
 use crate::model::resolver::Resolver;
 
 /// Terms that one invariant is taken apart into.
@@ -93,7 +93,7 @@ impl Resolver<'_> {
     }
 
     /// The value, and the parameters that must have certain values.
-    fn conditional<'s>(&mut self, spot: &Spot<'s>, key: &str, section: &str) -> (Option<Spot<'s>>, Vec<(usize, f64)>) {
+    fn conditional<'s>(&mut self, spot: &Spot<'s>, key: &str, section: &str) -> (Option<Spot<'s>>, Vec<Condition>) {
         if !matches!(spot.node, Node::Map(_)) {
             return (Some(spot.clone()), Vec::new());
         }
@@ -101,7 +101,7 @@ impl Resolver<'_> {
         spot.only(&[key, "when", "phase"], section, problems);
         let value = spot.need(key, section, problems);
         let Some(when) = spot.get("when") else { return (value, Vec::new()) };
-        let mut conditions = Vec::new();
+        let (mut conditions, mut places) = (Vec::new(), Vec::new());
         for (key, spot) in when.entries(&mut self.builder.problems) {
             let Some(family) = self.expand(key, &spot) else { continue };
             let quantity = spot.quantity(&mut self.builder.problems);
@@ -113,16 +113,29 @@ impl Resolver<'_> {
                     Rules::constant("this parameter").like(self.scope.units.parameters[parameter]).counting(words);
                 let id = self.setting(quantity, rules, &member.locals);
                 let Some(id) = id else { continue };
-                match self.default_value(id) {
-                    Some(number) => conditions.push((parameter, number)),
-                    None => {
-                        let place = spot.place.clone();
-                        self.builder.problems.push(names::undefined_value(place, &quantity.text.source));
-                    }
+                if self.default_value(id).is_none() {
+                    self.builder.problems.push(names::undefined_value(spot.place.clone(), &quantity.text.source));
+                    continue;
                 }
+                let written = quantity.text.source.to_string();
+                conditions.push(Condition { parameter, value: id, written });
+                places.push(spot.place.clone());
             }
         }
+        self.refuse_conditions_of_each_other(&conditions, &places);
         (value, conditions)
+    }
+
+    /// A condition is computed with the parameters that are drawn, so it may read none that a condition sets.
+    fn refuse_conditions_of_each_other(&mut self, conditions: &[Condition], places: &[Place]) {
+        for (condition, place) in conditions.iter().zip(places) {
+            let read = self.builder.graph.symbols([condition.value]);
+            let is_read = |set: &&Condition| read.contains(&Symbol::Parameter(set.parameter as u32));
+            if let Some(set) = conditions.iter().find(is_read) {
+                let [name, other] = [condition, set].map(|c| self.model.parameters[c.parameter].name.clone());
+                self.builder.problems.push(mechanics::moving_condition(place.clone(), name, other));
+            }
+        }
     }
 
     /// The value of an expression of parameters at their defaults, if it is finite.
