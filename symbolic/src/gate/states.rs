@@ -396,7 +396,10 @@ fn enough(
         let of_phase = model.phases.get(phase).map_or(&[][..], |phase| &phase.constraints);
         let names: Vec<String> = of_phase.iter().map(|c| format!("`{}`", model.constraints[*c].name)).collect();
         let place = of_phase.first().map_or_else(Place::default, |c| model.constraints[*c].place.clone());
-        return Err(Box::new(verdicts::constraints_not_met(place, listed(&names), draw.tried)));
+        return Err(Box::new(match holds_without_slopes(model, motion, phase) {
+            true => verdicts::constraint_without_slope(place, listed(&names)),
+            false => verdicts::constraints_not_met(place, listed(&names), draw.tried),
+        }));
     }
     if states.len() >= draw.wanted || (!motion.constraints.is_empty() && states.len() >= FEWEST) {
         return Ok(());
@@ -410,6 +413,21 @@ fn enough(
         }
         _ => verdicts::too_few_states(Place::default().key("coordinates"), states.len(), draw.most),
     }))
+}
+
+/// Whether the constraints of a phase hold where the first scene starts, and their slopes vanish there, or depend on each other.
+fn holds_without_slopes(model: &Model, motion: &Motion, phase: usize) -> bool {
+    /// Rounding of what is 0.
+    const ROUNDING: f64 = 1e-12;
+    let mut start = Draws::new(model, motion, &[]).first(&own_parameters(model));
+    start.phase = phase;
+    motion.signals(&mut start);
+    let rows = motion.constraints.active(phase);
+    let constraints = model.phases.get(phase).map_or(&[][..], |phase| &phase.constraints);
+    let values: Vec<Id> = constraints.iter().flat_map(|c| model.constraints[*c].value.iter().copied()).collect();
+    let values = Tape::new(&model.graph, &values).evaluate(|s| start.measured(s));
+    let holds = values.iter().all(|x| x.value.abs().to_f64() <= ROUNDING * x.magnitude);
+    holds && motion.constraints.rank(&start).0 < rows.len()
 }
 
 /// The parameters of the first scene.

@@ -73,4 +73,7 @@ super::entries! {
     E524 too_few_states_when(name) "a condition at which nothing is defined"
         "too few random states are usable where the condition of `{name}` holds" "" "where the model divides by what is 0 there, say what it is for with a small number, or leave `when` out"
         "What is claimed under a condition is tested at states with the parameters that it names; where accelerations or the claim are not finite nothing can be tested.";
+    E525 constraint_without_slope(names) "a constraint that holds and has no slope"
+        "{names} holds where the scene starts, but its slopes vanish there" "" "write what is squared instead of its square: `y - x`, not `(y - x)^2`"
+        "A constraint acts along its slopes, ∂c/∂q. Where all of them are 0 it has no direction to push in, and holds nothing.";
 }
