@@ -89,7 +89,8 @@ pub fn complex_modes(linear: &Linearised) -> Result<ComplexModes, LinearError> {
             modes.push(mode(shape, what));
         }
     }
-    real_modes(&real, &eigenvalues, &shape, &mut |shape, what| modes.push(mode(shape, what)));
+    let conserves = linear.dissipative().is_zero() && linear.circulatory().is_zero();
+    real_modes((&real, &eigenvalues), conserves, &shape, &mut |shape, what| modes.push(mode(shape, what)));
     for vector in rigid.shapes.column_iter() {
         let shape = vector.iter().map(|x| Complex::new(*x, 0.0)).collect();
         modes.push(mode(shape, (0.0, None, Complex::new(0.0, 0.0), Kind::Rigid)));
@@ -155,10 +156,11 @@ fn of_pair(value: Complex<f64>, floor: f64) -> (f64, Option<f64>, Complex<f64>, 
 type Found<'a> = &'a mut dyn FnMut(Vec<Complex<f64>>, (f64, Option<f64>, Complex<f64>, Kind));
 
 /// Modes of real eigenvalues.  Negative ones are paired by the likeness of their shapes: the two of a mode of
-/// proportional damping have the same one, ω = √(λ₁λ₂) and ζ = −(λ₁ + λ₂)/(2ω); a single one has ω = |λ|, ζ = 1.
+/// proportional damping have the same one, ω = √(λ₁λ₂) and ζ = −(λ₁ + λ₂)/(2ω); a single one has ω = |λ|, ζ = 1.  Where energy is conserved
+/// each belongs to the positive one of its size instead.
 fn real_modes(
-    real: &[usize],
-    eigenvalues: &[Complex<f64>],
+    (real, eigenvalues): (&[usize], &[Complex<f64>]),
+    conserves: bool,
     shape: &dyn Fn(usize) -> Vec<Complex<f64>>,
     found: Found<'_>,
 ) {
@@ -167,6 +169,10 @@ fn real_modes(
         found(shape(k), (value.re, Some(-1.0), value, Kind::Unstable));
     }
     let mut left: Vec<usize> = real.iter().copied().filter(|k| eigenvalues[*k].re < 0.0).collect();
+    if conserves {
+        left.iter().for_each(|k| found(shape(*k), (-eigenvalues[*k].re, Some(1.0), eigenvalues[*k], Kind::Decaying)));
+        return;
+    }
     while let Some(k) = left.first().copied() {
         left.remove(0);
         let (one, value) = (shape(k), eigenvalues[k]);

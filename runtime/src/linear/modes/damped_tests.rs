@@ -97,6 +97,17 @@ fn overdamped_eigenvalues_come_in_pairs_with_one_frequency_and_ratio() {
     close(analysis.modes[3].omega, 3.0_f64.sqrt(), 1e-13);
 }
 
+/// A saddle turned by gyroscopic forces: nothing damps, so that its two real eigenvalues are of one size, and one dies out.
+#[test]
+fn the_half_of_a_saddle_that_dies_out_is_not_overdamped() {
+    let analysis = modes(DMatrix::identity(2, 2), dmatrix![0.0, -2.0; 2.0, 0.0], dmatrix![-11.0, 0.0; 0.0, 4.0]);
+    let kinds: Vec<Kind> = analysis.modes.iter().map(|mode| mode.kind).collect();
+    assert_eq!(kinds, [Kind::Unstable, Kind::Oscillating, Kind::Decaying]);
+    close(analysis.modes[2].eigenvalue.re, -analysis.modes[0].eigenvalue.re, 1e-12);
+    let told = analysis.modes[2].to_string();
+    assert!(told.starts_with("decaying, falls to 1/e in") && !told.contains("zeta"), "{told}");
+}
+
 /// Catalogue L2: a rigid motion A + B t has one shape and two zero eigenvalues; damping to the ground takes one away.
 #[test]
 fn l2_rigid_motion_is_defective_and_exact_by_the_exponential() {

@@ -18,6 +18,8 @@ pub enum Kind {
     Critical,
     /// Dies out without oscillating, a real eigenvalue.
     Overdamped,
+    /// Dies out without oscillating where nothing damps: the other half of one that grows.
+    Decaying,
     /// A motion without potential energy: A + B t.
     Rigid,
     /// Grows.
@@ -32,6 +34,7 @@ impl Kind {
             Kind::Damped => "damped",
             Kind::Critical => "critical",
             Kind::Overdamped => "overdamped",
+            Kind::Decaying => "decaying",
             Kind::Rigid => "rigid",
             Kind::Unstable => "unstable",
         }
@@ -191,6 +194,10 @@ impl fmt::Display for Mode {
                 whole(self.omega / TAU),
                 whole(TAU / self.omega)
             )?,
+            Kind::Decaying => {
+                let time = part(-1.0 / self.eigenvalue.re, self.eigenvalue.re);
+                write!(f, "decaying, falls to 1/e in {time} s though nothing damps: the other half of one that grows")?;
+            }
             kind => {
                 write!(f, "{}, omega = {omega} rad/s", kind.word())?;
                 if let Some(zeta) = self.zeta {

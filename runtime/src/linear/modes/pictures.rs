@@ -92,7 +92,7 @@ fn by_coordinate(title: String, coordinates: &[String], mode: &Mode) -> Chart {
 fn title(index: usize, mode: &Mode) -> String {
     let what = match (&mode.name, mode.kind) {
         (Some(name), _) => name.clone(),
-        (None, Kind::Overdamped | Kind::Critical | Kind::Rigid) => mode.kind.word().to_owned(),
+        (None, Kind::Overdamped | Kind::Decaying | Kind::Critical | Kind::Rigid) => mode.kind.word().to_owned(),
         (None, kind) => {
             let word = if kind == Kind::Unstable { "unstable, " } else { "" };
             format!("{word}{} rad/s, {} Hz", short(mode.omega), short(mode.omega / TAU))
