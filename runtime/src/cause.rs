@@ -489,13 +489,13 @@ impl fmt::Display for Cause {
             ),
             Cause::UndecidedContacts { found } if found.is_empty() => write!(
                 f,
-                "undecided contacts: no combination of sticking, slipping and opening agrees with the forces here, as where a rod jams \
-                 against the ground (Painlevé); let the contact be less rough"
+                "undecided contacts: no combination of sticking, slipping and opening agrees with the forces here (at an impact with the impulses), as where \
+                 a rod jams against the ground (Painlevé); let the contact be less rough"
             ),
             Cause::UndecidedContacts { found } => write!(
                 f,
-                "undecided contacts: {count} combinations of what contacts do agree with the forces here ({list}), and none of them is the \
-                 present one, as where a rod jams (Painlevé), or where several share what presses them in more than one way; let the contact be less \
+                "undecided contacts: {count} combinations of what contacts do agree with the forces here, or at an impact with the impulses ({list}), and none \
+                 of them is the present one, as where a rod jams (Painlevé), or where several share what presses them in more than one way; let the contact be less \
                  rough, or fewer of them press",
                 count = found.len(),
                 list = found.join("; ")
@@ -569,7 +569,8 @@ impl fmt::Display for Cause {
                     )?;
                 }
                 f.write_str(
-                    "describe what happens there as a phase with a constraint that keeps it 0 and events that lead in and out",
+                    "describe what happens there as a phase with a constraint that keeps it 0 and events that lead in and out; where the file does \
+                     so, or has a contact there, it is the method that cannot follow it: take one with error control, such as dop853",
                 )
             }
             Cause::ChatteringStates { switch } => write!(
@@ -609,8 +610,9 @@ impl fmt::Display for Cause {
             ),
             Cause::EndsMeet { load, t } => write!(
                 f,
-                "direction lost: a distance, norm or root in `{load}` becomes zero at t = {t} s, where ends that meet have no direction, \
-                 and roots no slope; stop before it by an event on what becomes zero, or write `max(0, e)^1.5` where a power of `e` is to end there",
+                "direction lost: a distance, norm or root in `{load}` becomes zero at t = {t} s, where ends that meet have no direction, and \
+                 roots no slope, even where there is no force; start where it is not zero, stop before it is by an event on it, or, where a power of \
+                 `e` is to end there, write `max(0, e)^1.5`",
                 t = short(*t)
             ),
             Cause::OscillatesTooFast { function, limit } => {

@@ -20,6 +20,13 @@ use crate::orbit::{ExtendedOrbit, ExtendedValue, Family, Multiplier, Orbit, Orbi
 use crate::run::{Run, written};
 use crate::show::{Figure, has_units, unit};
 
+/// What names of directions mean in which there are other such motions.
+const FREE: [(&str, &str); 3] = [
+    ("time", "the same motion may begin at any of its states"),
+    ("scale", "larger and smaller motions close too; `energy` in `motions` asks for one of them"),
+    ("family", "other motions close too; `energy` in `motions` asks for one of them"),
+];
+
 /// Searches, and prints what was found.
 pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> Result<(), Problem> {
     let (loaded, run_described) = for_search(context, options, &["save", "plot"])?;
@@ -275,6 +282,9 @@ fn report(loaded: &Loaded, orbit: &Orbit, options: &ArgMatches, out: &mut dyn Wr
     }
     if !orbit.free.is_empty() {
         writeln!(out, "free           {}: the nearest to the guess was taken", orbit.free.join(", "))?;
+        for (name, meaning) in FREE.iter().filter(|(name, _)| orbit.free.iter().any(|free| free == name)) {
+            writeln!(out, "  {name}: {meaning}")?;
+        }
     }
     if !orbit.events.is_empty() {
         writeln!(out, "events         {}", orbit.events.join(", "))?;

@@ -107,3 +107,70 @@ fn names_that_are_proposed_may_stand_there() {
         &torn.replace("atan2(x, b)", "\"atan2(x, b)\"").replace("max(x, b, b)", "\"max(x, b, b)\""),
     );
 }
+
+/// A file with its own head.
+fn of_file(name: &str, text: &str, arguments: &[&str]) -> Result<String, String> {
+    let file = folder("advice").join(name);
+    std::fs::write(&file, text).expect("a file");
+    program(&[&arguments[..1], &[file.to_str().expect("a path")], &arguments[1..]].concat())
+}
+
+/// A ball on a plate that shakes it off: a contact by itself, which was advised to be one.
+#[test]
+fn methods_that_cannot_follow_a_contact_are_named() {
+    let text = "name: Plate\nparameters: {m: 1 kg, g: 9.81 m/s^2, A: 0.01 m, W: 60 rad/s, e: 0.5 1}\ninputs: {h: A*sin(W*t)}\n\
+        coordinates: {y: m}\nbodies: {b: {mass: m, position: \"[0, y]\"}}\ngravity: \"[0, -g]\"\n\
+        contacts: {c: {gap: y - h, on: b, normal: \"[0, 1]\", restitution: e}}\nscene: {start: {y: 0.02}, until: 1.5, tolerance: 1e-12}\n";
+    let error = of_file("plate.yaml", text, &["simulate", "--method", "verlet"]).unwrap_err();
+    assert!(error.contains("chattering") && error.contains("it is the method that cannot follow it"), "{error}");
+    of_file("plate.yaml", text, &["simulate", "--no-digits"]).unwrap();
+}
+
+/// A cord that is slack where its ends meet has no force there; the advice was to write another power.
+#[test]
+fn ends_that_meet_where_a_scene_starts_are_to_start_apart() {
+    let text = "name: Bungee\nparameters: {m: 70 kg, k: 100 N/m, L: 20 m, g: 9.81 m/s^2}\ncoordinates: {y: m}\n\
+        bodies: {j: {mass: m, position: \"[0, y]\"}}\ngravity: \"[0, -g]\"\n\
+        springs: {cord: {between: [\"[0, 0]\", j], tension: \"k*max(0, length - L)\"}}\nscene: {start: {y: -1}, until: 2}\n";
+    let error = of_file("bungee.yaml", text, &["simulate", "--start", "y=0"]).unwrap_err();
+    assert!(error.contains("even where there is no force; start where it is not zero"), "{error}");
+    of_file("bungee.yaml", text, &["simulate", "--start", "y=-0.01"]).unwrap();
+}
+
+#[test]
+fn pairs_behind_a_comma_are_to_be_given_by_themselves() {
+    for (command, option) in [("modes", "at"), ("simulate", "start"), ("simulate", "set")] {
+        let error = told(RAW, command, &[&format!("--{option}"), "x=16,x'=-1"]).unwrap_err();
+        let advice = format!("--{option} takes one NAME=VALUE each time: write --{option} again for `x'=-1`");
+        assert!(error.contains(&advice), "{error}");
+    }
+    let error = told(RAW, "simulate", &["--start", "x=max(1, y = 2)"]).unwrap_err();
+    assert!(!error.contains("again"), "{error}");
+}
+
+/// Impulses decide at an impact, not forces: a wheel that rolls against a rough step.
+#[test]
+fn contacts_are_undecided_by_impulses_too() {
+    let text = "name: Step\nparameters: {m: 20 kg, R: 0.4 m, h: 0.1 m, g: 9.81 m/s^2, v0: 3 m/s, mu: 5 1}\n\
+        coordinates: {x: m, y: m, ph: rad}\npoints: {C: \"[x, y]\", K: \"[0, h]\"}\n\
+        bodies: {w: {mass: m, inertia: m*R^2/2, angle: ph, position: C}}\ngravity: \"[0, -g]\"\ncontacts:\n\
+        \x20 floor: {gap: y - R, on: w, at: \"[x, y - R]\", normal: \"[0, 1]\", friction: mu}\n\
+        \x20 edge: {gap: norm(C - K) - R, on: w, at: K, normal: unit(C - K), friction: mu}\n\
+        impacts: together\nscene: {start: {x: -1, y: R, x': v0, ph': -v0/R}, until: 0.7}\n";
+    let error = of_file("step.yaml", text, &["simulate"]).unwrap_err();
+    assert!(error.contains("agree with the forces here, or at an impact with the impulses (floor"), "{error}");
+}
+
+/// What is free of a motion that closes was named and not explained: of a pendulum's swings there are larger and smaller ones.
+#[test]
+fn what_is_free_of_a_motion_is_explained() {
+    let text = "name: Swing\nparameters: {m: 1 kg, l: 1 m, g: 9.81 m/s^2}\ncoordinates: {th: rad}\n\
+        bodies: {b: {mass: m, position: \"l*[sin(th), -cos(th)]\"}}\ngravity: \"[0, -g]\"\nscene: {start: {th: 1}, until: 10}\n\
+        motions: {half: {closes: {part: 1/2, mirror: [th]}}}\n";
+    let found = of_file("swing.yaml", text, &["orbit"]).unwrap();
+    assert!(found.contains("  time: the same motion may begin at any of its states\n"), "{found}");
+    assert!(
+        found.contains("  scale: larger and smaller motions close too; `energy` in `motions` asks for one"),
+        "{found}"
+    );
+}
