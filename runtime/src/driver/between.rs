@@ -105,7 +105,7 @@ impl Integration {
                 self.meets(system, step, locator)?;
                 return Ok((step, true));
             }
-            if let Some(shorter) = self.too_long_to_read(system, step)? {
+            if let Some(shorter) = self.too_long_to_read(system, step) {
                 defective.push(step.h);
                 most = shorter;
             } else if has_no_feature {
@@ -182,19 +182,19 @@ impl Integration {
     }
 
     /// How long a step is to be instead, s, the dense output of which does not follow the equations.
-    fn too_long_to_read(&mut self, system: &dyn System, step: Step) -> Result<Option<f64>, Box<Cause>> {
+    fn too_long_to_read(&mut self, system: &dyn System, step: Step) -> Option<f64> {
         if self.stepper.damps() {
-            return Ok(self.interpolates_worse(system, step));
+            return self.interpolates_worse(system, step);
         }
         // Where stability limits the step, dense output is poor and says nothing.
         if self.step_times_rate > self.stiffness.least() || step.h <= self.defect.unmended {
-            return Ok(None);
+            return None;
         }
         // An evaluation more is dear to a method whose steps have few: its long steps only.
         let short = step.h < 0.5 * self.defect.longest;
         self.defect.longest = self.defect.longest.max(step.h);
         if short && self.stepper.dense_is_free() {
-            return Ok(None);
+            return None;
         }
         let theta = self.defect.place();
         let defect = self.defect(system, step, theta);
@@ -205,7 +205,7 @@ impl Integration {
         }
         self.defect.slope = defect;
         // A state that has no accelerations is for the error test to judge, in a shorter step.
-        Ok((size.is_nan() || size > Defect::MOST).then_some(0.5 * step.h))
+        (size.is_nan() || size > Defect::MOST).then_some(0.5 * step.h)
     }
 
     /// How long a step of an implicit method is to be instead, s, the dense output of which is off by more than the tolerance.
