@@ -398,3 +398,17 @@ fn a_tolerance_that_no_second_run_exceeds_promises_nothing() {
         assert!(printed.contains("x = ?") && !printed.contains("up at t = 4"), "{printed}");
     }
 }
+
+/// What sticks and slips forgets how it began: at a loose tolerance two runs differ by the steps that a moved start takes, not by its growth.
+#[test]
+fn what_sticks_and_slips_is_not_chaotic() {
+    let file = "name: Rub\nparameters: {m: 1 kg, M: 1e-4 kg, k: 20 N/m, v: 0.3 m/s, g: 9.81 m/s^2, mu: 0.3 1, mus: 0.5 1, K: 1e4 N/m, c: 50 N*s/m}\n\
+        coordinates: {x: m, z: m}\nbodies: {b: {mass: m, position: '[x, 0]'}, e: {mass: M, position: '[x + z, 0]'}}\n\
+        springs: {s: {stretch: x, stiffness: k, on: b, along: '[1, 0]'}, s2: {stretch: z, stiffness: K, on: e, from: b, along: '[1, 0]'}}\n\
+        dampers: {d2: {rate: z', damping: c, on: e, from: b, along: '[1, 0]'}}\n\
+        friction: {rub: {rate: x' - v, on: b, along: '[1, 0]', limit: mu*m*g, static: mus*m*g}}\n\
+        scene: {start: {x: 0, x': 0.3}, until: 20, tolerance: 1e-3}\n";
+    let run = judged(file);
+    let is_chaotic = |warning: &Warning| matches!(warning, Warning::DigitsLost { why: Loss::Instability { .. }, .. });
+    assert!(!run.warnings.iter().any(is_chaotic), "{:?}", run.warnings);
+}
