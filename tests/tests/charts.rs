@@ -5,9 +5,13 @@ use std::path::PathBuf;
 
 use dalembert_models::MODELS;
 
+/// What `chart` says; what it writes where nothing says where goes with a test's other files.
 fn told(arguments: &[&str]) -> Result<String, String> {
     let mut out = Vec::new();
-    let arguments = ["dalembert", "chart"].iter().chain(arguments);
+    let (svg, csv) = (file("unnamed.svg"), file("unnamed.csv"));
+    let paths = [["--plot", text(&svg)], ["--csv", text(&csv)]];
+    let missing = paths.iter().filter(|[option, _]| !arguments.contains(option)).flatten();
+    let arguments = ["dalembert", "chart"].iter().chain(arguments).chain(missing);
     match dalembert::cli::run(MODELS, arguments, &mut out) {
         Ok(()) => Ok(String::from_utf8(out).expect("text")),
         Err(problem) => Err(problem.to_string()),

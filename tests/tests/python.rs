@@ -224,7 +224,7 @@ fn rows_that_depend_on_each_other_are_chosen_by_their_number() {
     let folder = std::env::temp_dir().join(format!("dalembert-python-rows-{}", std::process::id()));
     fs::create_dir_all(&folder).unwrap();
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/bennett.yaml");
-    let Asked { mut system, states } = asked(&path, "off", &folder);
+    let Asked { system, states } = asked(&path, "off", &folder);
     let off = |e: f64| {
         let states = states.iter().map(|(t, q, v, phase)| {
             let q: Vec<f64> = q.iter().enumerate().map(|(i, q)| q + if i == 1 { e } else { 0.0 }).collect();

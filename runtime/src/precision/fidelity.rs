@@ -34,14 +34,14 @@ pub struct Fidelity {
     pub chosen: Option<Verified>,
 }
 
-/// ` at a tolerance of 1e-9`, ` at tolerances of 1e-3 to 1e-9`: at which models were run.
+/// ` at 1e-9`, ` at 1e-3 to 1e-9`: at which tolerances models were run, short enough for a legend.
 fn at(points: &[Verified]) -> String {
     match points {
         [] => String::new(),
         [first, .., last] if first.tolerance != last.tolerance => {
-            format!(" at tolerances of {:e} to {:e}", first.tolerance, last.tolerance)
+            format!(" at {:e} to {:e}", first.tolerance, last.tolerance)
         }
-        [first, ..] => format!(" at a tolerance of {:e}", first.tolerance),
+        [first, ..] => format!(" at {:e}", first.tolerance),
     }
 }
 
@@ -89,7 +89,7 @@ impl Fidelity {
         if self.reductions.is_empty() {
             return self.title.clone();
         }
-        format!("{}, each alone{}", self.title, at(&self.reductions))
+        format!("{}, each alone{}; the numbers are tolerances", self.title, at(&self.reductions))
     }
 
     /// All points, in the columns of [`WorkPrecision::to_csv`](super::WorkPrecision::to_csv); what was not measured of them is empty.

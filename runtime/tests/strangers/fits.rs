@@ -91,7 +91,8 @@ fn unknowns_whose_best_value_is_0_were_refused() {
     let folder = folder("fits");
     let [model, scaled, table] = ["rest.yaml", "scaled.yaml", "rest.csv"].map(|name| folder.join(name));
     std::fs::write(&model, OSCILLATOR).expect("a file");
-    std::fs::write(&scaled, OSCILLATOR.replace("k*x^2/2", "m*k*x^2/2").replace("-c*x'", "-m*c*x'")).expect("a file");
+    let by_mass = OSCILLATOR.replace("3.5 N/m", "3.5 1/s^2").replace("0.3 N*s/m", "0.3 1/s");
+    std::fs::write(&scaled, by_mass.replace("k*x^2/2", "m*k*x^2/2").replace("-c*x'", "-m*c*x'")).expect("a file");
     std::fs::write(&table, format!("t,x\n{}", rows.collect::<String>())).expect("a file");
     let [model, scaled, table] = [&model, &scaled, &table].map(|path| path.to_str().expect("a path"));
     for guess in ["0", "0.05", "-0.01"] {

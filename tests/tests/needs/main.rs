@@ -350,7 +350,7 @@ fn a_chart_has_a_point_for_every_rung() {
         assert!(drawn.contains(name) && places(name).len() == 1, "{name} in\n{table}");
     }
     // What is left out was run at one tolerance, of which the full model has one point only.
-    for told in ["each alone at a tolerance of 1e-9", "the full model at tolerances of 2e-3 to 1e-9"] {
+    for told in ["each alone at 1e-9; the numbers are tolerances", "the full model at 2e-3 to 1e-9"] {
         assert!(drawn.contains(told), "{told}");
     }
     // The full model: ever more work for ever smaller errors; of one rung its own.
