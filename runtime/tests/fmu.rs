@@ -12,7 +12,7 @@ const MODELS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../models");
 const TOLERANCE: f64 = 1e-6;
 
 /// What each shows: the model, its options, and where its run is compared.
-const COMPARED: [(&str, &[&str]); 21] = [
+const COMPARED: [(&str, &[&str]); 20] = [
     // Nothing but coordinates.
     ("double_pendulum", &["--until", "2"]),
     ("triple_pendulum", &["--until", "3"]),
@@ -24,7 +24,6 @@ const COMPARED: [(&str, &[&str]); 21] = [
     // Constraints: closed loops, speeds, a quaternion beside them.
     ("slider_crank", &["--until", "2"]),
     ("four_bar", &["--until", "2"]),
-    ("whipple_bicycle", &["--until", "2"]),
     ("chaplygin_sleigh", &[]),
     ("rolling_disc", &["--until", "2"]),
     // Phases with friction, an end by an event.

@@ -219,8 +219,8 @@ impl Integration {
         let theta = self.defect.middle();
         let defect = self.defect(system, step, theta);
         let mut size = self.by_change(step, &defect);
-        if size > 1.0 {
-            self.forgive_noise(system, step, &defect, 1.0);
+        if size > Defect::REPEATED {
+            self.forgive_noise(system, step, &defect, Defect::REPEATED);
             size = self.by_change(step, &defect);
         }
         self.defect.slope = defect;

@@ -2,7 +2,7 @@
 
 use super::arguments::{Arguments, Course};
 use super::certify::{Certifier, MOST_SAMPLES, Sample, ZeroKind};
-use super::sample::{PART, SHORTEST, SHOWN, Sampler, ends_hold};
+use super::sample::{PART, SHORTEST, SHOWN, Sampler, ends_hold, ends_slip};
 use crate::cause::{Cause, TooFast};
 use crate::integrate::Segment;
 use crate::mechanism::{Direction, System, Watched};
@@ -75,6 +75,9 @@ pub(crate) struct Scanner {
     inside: Vec<bool>,
     /// Which are those of events that end what a contact holds by a force.
     holds: Vec<bool>,
+    /// Which leave zero to a side that was decided beforehand, for good: those of switches, and of events that end a slip.  A gap that opens may
+    /// close again by its rounding.
+    decided: Vec<bool>,
     /// Zeros of the last scan, in order of time, then of function.
     pub crossings: Vec<Crossing>,
     /// What else the last scan found.
@@ -106,6 +109,7 @@ impl Scanner {
             system.description().arguments.iter().any(|argument| argument.of == of)
         });
         let holds = (0..functions).map(|function| function < sampler.events() && ends_hold(system, function));
+        let decided = (0..functions).map(|function| function >= sampler.events() || ends_slip(system, function));
         let acts = (0..functions).map(|function| {
             let event = system.description().events.get(function).filter(|_| function < sampler.events());
             event.is_some_and(|event| event.changes_motion() && event.direction != Direction::Both)
@@ -134,6 +138,7 @@ impl Scanner {
             shortened: 0,
             inside: inside.collect(),
             holds: holds.collect(),
+            decided: decided.collect(),
             crossings: Vec::with_capacity(2 * functions),
             anomalies: Vec::new(),
         }
@@ -394,7 +399,7 @@ impl Scanner {
                 // other side and came back before anybody looked.
                 let theta = certifier.points().first().map_or(0.0, |start| hop(start, first, side));
                 let resolved = SHORTER * segment.h > RESOLVED * f64::EPSILON * segment.t.abs();
-                if self.fresh[function] && self.shortened < SHORTENED && resolved {
+                if self.fresh[function] && self.decided[function] && self.shortened < SHORTENED && resolved {
                     // What has just been decided to leave zero to its side does not leave it to the other one: the step is too long for its dense output
                     // to show where it goes.
                     self.early = Some(self.early.map_or(SHORTER, |early| early.min(SHORTER)));

@@ -32,12 +32,13 @@ fn matrices_of_small_motions_are_those_of_a_textbook() {
     let expected = "M = [[2*m*l^2, m*l^2],\n     [m*l^2,   m*l^2]]\nK = [[2*m*l*g, 0],\n     [0,       m*l*g]]\n";
     assert!(pendulum.ends_with(expected), "{pendulum}");
     let cart = shown("cart_pendulum", &["--linear"]).unwrap();
-    let expected = "M = [[m + M, m*l],\n     [m*l,   m*l^2]]\nK = [[0, 0],\n     [0, m*l*g]]\n";
+    // A parameter is called M there, and a coordinate x.
+    let expected = "M_ = [[m + M, m*l],\n      [m*l,   m*l^2]]\nK = [[0, 0],\n     [0, m*l*g]]\n";
     assert!(cart.ends_with(expected), "{cart}");
     let upright = shown("cart_pendulum", &["--linear", "--at", "theta=pi"]).unwrap();
     assert!(upright.contains("[0, -m*l*g]]"), "{upright}");
     let latex = shown("cart_pendulum", &["--linear", "--latex"]).unwrap();
-    assert!(latex.contains(r"K &= \begin{pmatrix} 0 & 0 \\ 0 & m \, l \, g \end{pmatrix}"), "{latex}");
+    assert!(latex.contains(r"\mathbf{K} &= \begin{pmatrix} 0 & 0 \\ 0 & m \, l \, g \end{pmatrix}"), "{latex}");
 }
 
 /// The formulas, read again as expressions with other values of the parameters, are what `modes` computes.
@@ -53,7 +54,7 @@ fn matrices_of_formulas_are_those_that_modes_computes() {
     let q = vec![(1.3 + 0.9) * 3.7 / 21.0, std::f64::consts::PI];
     let guess = Guess { q, v: vec![0.0; 2], inputs: vec![0.0; 2] };
     let numbers = linearise(&system, &equilibrium_here(&system, &guess).unwrap()).unwrap();
-    assert!(text.contains("u = [u, w]"), "{text}");
+    assert!(text.contains("u_ = [u, w]"), "{text}");
     let inputs = numbers.input.to_dense();
     for (name, matrix) in [("M", numbers.m()), ("C", numbers.c()), ("K", numbers.k())] {
         for (i, row) in rows(&text, name).iter().enumerate() {
