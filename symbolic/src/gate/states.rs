@@ -415,19 +415,18 @@ fn enough(
     }))
 }
 
-/// Whether the constraints of a phase hold where the first scene starts, and their slopes vanish there, or depend on each other.
+/// Whether the constraints of a phase hold where the first scene starts, and all of their slopes vanish there.
 fn holds_without_slopes(model: &Model, motion: &Motion, phase: usize) -> bool {
     /// Rounding of what is 0.
     const ROUNDING: f64 = 1e-12;
     let mut start = Draws::new(model, motion, &[]).first(&own_parameters(model));
     start.phase = phase;
     motion.signals(&mut start);
-    let rows = motion.constraints.active(phase);
     let constraints = model.phases.get(phase).map_or(&[][..], |phase| &phase.constraints);
     let values: Vec<Id> = constraints.iter().flat_map(|c| model.constraints[*c].value.iter().copied()).collect();
     let values = Tape::new(&model.graph, &values).evaluate(|s| start.measured(s));
     let holds = values.iter().all(|x| x.value.abs().to_f64() <= ROUNDING * x.magnitude);
-    holds && motion.constraints.rank(&start).0 < rows.len()
+    holds && motion.constraints.rank(&start).0 == 0
 }
 
 /// The parameters of the first scene.
