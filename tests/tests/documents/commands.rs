@@ -54,11 +54,14 @@ fn arguments(command: &str, folder: &Path) -> Vec<String> {
     {
         words.drain(k..k + 2);
     }
-    // The tables that these write beside the caller, unless they are told where.
+    // The tables and charts that these write beside the caller, unless they are told where.
     let table = if words[0] == "sweep" { "sweep" } else { "chart" };
     if matches!(words[0].as_str(), "sweep" | "chart") && !words.iter().any(|word| word == "-o") {
         let name = words[1].trim_end_matches(".yaml");
         words.extend(["-o".to_owned(), format!("{name}-{table}.csv")]);
+    }
+    if words[0] == "chart" && !words.iter().any(|word| word == "--plot") {
+        words.extend(["--plot", "chart.svg"].map(str::to_owned));
     }
     let is_file = |word: &str| FILES.iter().any(|ending| word.ends_with(ending));
     let placed = words.into_iter().map(|word| match is_file(&word) {
