@@ -12,18 +12,15 @@ const MODELS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../models");
 const TOLERANCE: f64 = 1e-6;
 
 /// What each shows: the model, its options, and where its run is compared.
-const COMPARED: [(&str, &[&str]); 20] = [
+const COMPARED: [(&str, &[&str]); 14] = [
     // Nothing but coordinates.
     ("double_pendulum", &["--until", "2"]),
     ("triple_pendulum", &["--until", "3"]),
     // Inputs of time, which enter with both rates.
     ("base_excitation", &[]),
     ("shaken_pendulum", &[]),
-    // Masses that change.
-    ("rocket", &[]),
     // Constraints: closed loops, speeds, a quaternion beside them.
     ("slider_crank", &["--until", "2"]),
-    ("four_bar", &["--until", "2"]),
     ("chaplygin_sleigh", &[]),
     ("rolling_disc", &["--until", "2"]),
     // Phases with friction, an end by an event.
@@ -35,14 +32,8 @@ const COMPARED: [(&str, &[&str]); 20] = [
     ("counter", &["--until", "8"]),
     ("sampled_robot", &[]),
     ("thermostat", &[]),
-    ("pid", &[]),
-    ("lugre", &["--until", "2"]),
-    // A motor's current beside a closed loop.
-    ("motor_four_bar", &["--until", "1"]),
     // A table of two arguments, of which one is an input.
     ("engine_map", &["--until", "10"]),
-    // Noise.
-    ("mast_in_gusts", &["--until", "5"]),
 ];
 
 /// Files whose motions pass zeros at which rounding, or nothing but what happens a moment later, says what is on either side.
