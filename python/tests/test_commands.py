@@ -110,6 +110,11 @@ def test_a_chart_measures_methods():
     assert "dop853" in chart.text and chart.figure.svg.startswith("<svg") and "/" not in chart.text.splitlines()[-1]
 
 
+def test_a_chart_goes_round_a_motion_that_repeats():
+    chart = dalembert.load("simple_pendulum").chart(returns=3, methods=["verlet", "dop853"])
+    assert "3 periods" in chart.text and set(chart.frame()["method"]) == {"verlet", "dop853"}
+
+
 def test_a_search_that_finds_nothing_is_a_run_error():
     with pytest.raises(dalembert.RunError) as raised:
         dalembert.load("cannon_ball").modes()

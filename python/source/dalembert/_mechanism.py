@@ -343,6 +343,9 @@ class Mechanism:
         input: Optional[Values] = None,
         until: Optional[Value] = None,
         steps: bool = False,
+        returns: Optional[int] = None,
+        motion: Optional[str] = None,
+        state: Optional[_Path] = None,
         methods: Optional[_Names] = None,
         compare: Optional[_Names] = None,
         twin: Optional[str] = None,
@@ -351,7 +354,11 @@ class Mechanism:
         max_steps: Optional[int] = None,
         params: Optional[_Path] = None,
     ) -> Chart:
-        """Charts speed against accuracy: what every method that suits costs for its error; with `steps` errors against step sizes."""
+        """Charts speed against accuracy: what every method that suits costs for its error.
+
+        With `steps` errors against step sizes; with `returns` how far methods miss the start of a motion that repeats, for so many periods: the
+        motion that `orbit` finds from the scene, from a `state` file or by the name `motion`.
+        """
         given = options(
             scene=scene,
             set=set,
@@ -359,6 +366,9 @@ class Mechanism:
             input=input,
             until=until,
             steps=steps,
+            returns=returns,
+            motion=motion,
+            state=state,
             methods=methods,
             compare=compare,
             twin=twin,
