@@ -482,6 +482,12 @@ pub(super) fn is_told_later<S: System + ?Sized>(system: &S, event: usize) -> boo
     known.direction.is_some() && known.happened(event) == Some(ContactEvent::Stops)
 }
 
+/// Whether an event is the end of a slip, in the direction that was decided when that began.
+pub(super) fn ends_slip<S: System + ?Sized>(system: &S, event: usize) -> bool {
+    let [Action::Contact(contact)] = system.description().events[event].actions[..] else { return false };
+    system.contacts().all[contact as usize].happened(event) == Some(ContactEvent::Stops)
+}
+
 /// Whether an event ends what a contact holds by a force.
 pub(super) fn ends_hold<S: System + ?Sized>(system: &S, event: usize) -> bool {
     let [Action::Contact(contact)] = system.description().events[event].actions[..] else { return false };

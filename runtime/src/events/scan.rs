@@ -2,7 +2,7 @@
 
 use super::arguments::{Arguments, Course};
 use super::certify::{Certifier, MOST_SAMPLES, Sample, ZeroKind};
-use super::sample::{PART, SHORTEST, SHOWN, Sampler, ends_hold};
+use super::sample::{PART, SHORTEST, SHOWN, Sampler, ends_hold, ends_slip};
 use crate::cause::{Cause, TooFast};
 use crate::integrate::Segment;
 use crate::mechanism::{Direction, System, Watched};
@@ -69,10 +69,15 @@ pub(crate) struct Scanner {
     length: f64,
     /// In which part of the step scanned last something happens that its far end may hide or blur; `None` where nothing does.
     early: Option<f64>,
+    /// How often in a row a step was made shorter for what begins there.
+    shortened: u32,
     /// Which functions have arguments inside that must be looked at.
     inside: Vec<bool>,
     /// Which are those of events that end what a contact holds by a force.
     holds: Vec<bool>,
+    /// Which leave zero to a side that was decided beforehand, for good: those of switches, and of events that end a slip.  A gap that opens may
+    /// close again by its rounding.
+    decided: Vec<bool>,
     /// Zeros of the last scan, in order of time, then of function.
     pub crossings: Vec<Crossing>,
     /// What else the last scan found.
@@ -87,6 +92,11 @@ const POWERS: std::ops::Range<f64> = 0.9..8.5;
 const ROUNDINGS: f64 = 64.0;
 /// A place this part of itself behind a jump is beyond it, rounding and all.
 const BEYOND: f64 = 1024.0 * f64::EPSILON;
+/// A step that does not show where a function leaves zero is made so much shorter, and so often at the most: rounding shows it no better.
+const SHORTER: f64 = 0.1;
+const SHORTENED: u32 = 6;
+/// Nor does a step of so many roundings of the time.
+const RESOLVED: f64 = 1e4;
 /// A change that is larger than the others by this is beside a pole.
 const POLE: f64 = 1e8;
 
@@ -99,6 +109,7 @@ impl Scanner {
             system.description().arguments.iter().any(|argument| argument.of == of)
         });
         let holds = (0..functions).map(|function| function < sampler.events() && ends_hold(system, function));
+        let decided = (0..functions).map(|function| function >= sampler.events() || ends_slip(system, function));
         let acts = (0..functions).map(|function| {
             let event = system.description().events.get(function).filter(|_| function < sampler.events());
             event.is_some_and(|event| event.changes_motion() && event.direction != Direction::Both)
@@ -124,8 +135,10 @@ impl Scanner {
             ends: f64::NAN,
             length: 1.0,
             early: None,
+            shortened: 0,
             inside: inside.collect(),
             holds: holds.collect(),
+            decided: decided.collect(),
             crossings: Vec::with_capacity(2 * functions),
             anomalies: Vec::new(),
         }
@@ -165,6 +178,7 @@ impl Scanner {
             }
         }
         self.crossings.sort_by(|a, b| a.theta.total_cmp(&b.theta).then(a.function.cmp(&b.function)));
+        self.shortened = if self.early.is_some() { self.shortened + 1 } else { 0 };
         Ok(())
     }
 
@@ -384,6 +398,12 @@ impl Scanner {
                 // It lies beyond zero from the start, since what changed it there was no step; or it left zero to the
                 // other side and came back before anybody looked.
                 let theta = certifier.points().first().map_or(0.0, |start| hop(start, first, side));
+                let resolved = SHORTER * segment.h > RESOLVED * f64::EPSILON * segment.t.abs();
+                if self.fresh[function] && self.decided[function] && self.shortened < SHORTENED && resolved {
+                    // What has just been decided to leave zero to its side does not leave it to the other one: the step is too long for its dense output
+                    // to show where it goes.
+                    self.early = Some(self.early.map_or(SHORTER, |early| early.min(SHORTER)));
+                }
                 self.crossings.push(Crossing { function, theta, rising: sign > 0.0, jumps: false });
                 side = sign;
             }

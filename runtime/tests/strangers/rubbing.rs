@@ -584,3 +584,32 @@ fn a_stool_comes_to_rest_from_any_speed() {
         assert!(last["x'"].abs() + last["y'"].abs() < 1e-9, "{speed}: {last}");
     }
 }
+
+/// A block on a belt, whose friction falls as it slides faster: what begins to slip there moves by the square of the time, and the faster the faster it
+/// does. A step that was too long to show it let it slip to the other side, and stop at once, again and again.
+const FALLING: &str = r#"
+name: Falling
+parameters: {m: 1 kg, k: 20 N/m, N: 10 N, mud: 0.2 1, mus: 0.4 1, vs: 0.05 m/s, vb: 0.1 m/s}
+coordinates: {x: m}
+bodies: {b: {mass: m, position: "[x, 0]"}}
+springs: {s: {stretch: x, stiffness: k, on: b, along: "[1, 0]"}}
+friction: {rub: {rate: x' - vb, on: b, along: "[1, 0]", limit: "N*(mud + (mus - mud)*exp(-abs(x' - vb)/vs))", static: N*mus}}
+scene: {start: {x: 0, x': 0.1}, until: 10}
+"#;
+
+#[test]
+fn friction_that_falls_lets_slip_once() {
+    let methods = [(Method::Dopri5, 1e-3), (Method::Rodas5P, 1e-9), (Method::Radau5, 1e-3), (Method::Dop853, 1e-9)];
+    for (method, tolerance) in methods {
+        let mut case = case(FALLING);
+        (case.settings.method, case.settings.tolerance) = (method, tolerance);
+        let run = case.run();
+        let slips: Vec<f64> =
+            run.events.iter().filter(|event| event.name == "rub slips").map(|event| event.state.t).collect();
+        // k vb t = N mus first; then from SciPy's DOP853 at 1e-12.
+        let known = [2.0, 4.9505344, 7.9010688];
+        assert_eq!(slips.len(), known.len(), "{method}: {slips:?}");
+        let off = slips.iter().zip(known).map(|(found, known)| (found - known).abs()).fold(0.0, f64::max);
+        assert!(off < (10.0 * tolerance).max(1e-7), "{method}: {slips:?}");
+    }
+}
