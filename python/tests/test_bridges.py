@@ -80,6 +80,22 @@ def test_examples_in_octave_run(section, program):
     assert np.abs(end - ours.y[-1]).max() < 1e-6
 
 
+def test_a_block_of_simulink_moves_as_we_do(section, program):
+    compiler = shutil.which("cc") or shutil.which("gcc")
+    if compiler is None:
+        pytest.skip("no C compiler here: the block is not compiled")
+    (block,) = section("Simulink", "c")
+    program("export", "motor", "--c", ".")
+    pathlib.Path("motor_block.c").write_text(block, encoding="utf-8")
+    header = pathlib.Path(__file__).with_name("simulink")
+    sources = ["motor_block.c", "motor.c", "dalembert_core.c"]
+    subprocess.run([compiler, "-std=c99", f"-I{header}", "-I.", *sources, "-lm", "-o", "block"], check=True)
+    end = np.array(subprocess.run(["./block"], check=True, capture_output=True, text=True).stdout.split(), dtype=float)
+    ours = dalembert.load("motor").simulate()
+    # Its states are q and q': the last coordinate's speed is the state of first order.
+    assert np.allclose(end[[0, 2, 3]], [ours[name][-1] for name in ("phi", "phi'", "i")], rtol=1e-9)
+
+
 @pytest.mark.parametrize("name", ["engine_map", "slider_crank"])
 def test_jax_traces_tables_and_constraints(name):
     jax = pytest.importorskip("jax")
