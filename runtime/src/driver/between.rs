@@ -186,26 +186,29 @@ impl Integration {
         if self.stepper.damps() {
             return self.interpolates_worse(system, step);
         }
-        // Where stability limits the step, dense output is poor and says nothing.
-        if self.step_times_rate > self.stiffness.least() || step.h <= self.defect.unmended {
+        if step.h <= self.defect.unmended {
             return None;
         }
+        // Where stability limits the step, ends are good and what is between them is off by the defect over h|λ|.
+        let h_lambda = step.h * self.limiting_rate;
+        let limited = h_lambda > 2.0 * self.stiffness.least();
+        let most = if limited { Defect::REPEATED * h_lambda } else { Defect::MOST };
         // An evaluation more is dear to a method whose steps have few: its long steps only.
         let short = step.h < 0.5 * self.defect.longest;
         self.defect.longest = self.defect.longest.max(step.h);
-        if short && self.stepper.dense_is_free() {
+        if short && !limited && self.stepper.dense_is_free() {
             return None;
         }
         let theta = self.defect.place();
         let defect = self.defect(system, step, theta);
         let mut size = self.in_units(step, &defect);
-        if size > Defect::MOST {
-            self.forgive_noise(system, step, &defect, Defect::MOST);
+        if size > most {
+            self.forgive_noise(system, step, &defect, most);
             size = self.in_units(step, &defect);
         }
         self.defect.slope = defect;
         // A state that has no accelerations is for the error test to judge, in a shorter step.
-        (size.is_nan() || size > Defect::MOST).then_some(0.5 * step.h)
+        (size.is_nan() || size > most).then_some(0.5 * step.h)
     }
 
     /// How long a step of an implicit method is to be instead, s, the dense output of which is off by more than the tolerance.
