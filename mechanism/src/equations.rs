@@ -86,6 +86,13 @@ pub trait Equations<const N: usize, const C: usize>: Clone + Send + Sync {
     fn series_constants<S: Real>(c: &Self::Constants<S>, t: S, u: &[S], values: &mut [S]) {
         let _ = (c, t, u, values);
     }
+    /// The power series of the motion at a state, time in a unit: of each coordinate, then of each speed, all orders, where those of order 0 are given.
+    /// Whether there is such code and M is well conditioned: else the recurrences tell the same.
+    #[doc(hidden)]
+    fn expansion(c: &Self::Constants<f64>, u: &[f64], t: f64, unit: f64, state: &mut [[f64; 21]]) -> bool {
+        let _ = (c, u, t, unit, state);
+        false
+    }
     /// The block of constants for one set of parameters per lane; modes as at the switch's step or sign of 1.
     fn constants<S: Real>(lane: impl Fn(usize) -> Self) -> Self::Constants<S>;
     /// The inputs as the file gives them.

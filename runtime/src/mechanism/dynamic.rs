@@ -422,6 +422,10 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
         M::series_constants(&self.constants, 0.0, self.input_block(0.0).as_ref(), values);
     }
 
+    fn expansion(&self, t: f64, unit: f64, state: &mut [[f64; 21]]) -> bool {
+        M::expansion(&self.constants, self.input_block(0.0).as_ref(), t, unit, state)
+    }
+
     fn frequencies(&self) -> Option<Vec<f64>> {
         let replaced = self.signals.iter().any(Option::is_some);
         if replaced { None } else { M::frequencies(&self.mechanism.parameters()) }

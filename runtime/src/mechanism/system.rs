@@ -424,6 +424,13 @@ pub trait System: Send + Sync {
         let _ = values;
     }
 
+    /// The power series of the motion by statements written out, where there are some: [`Equations::expansion`](super::Equations::expansion).
+    #[doc(hidden)]
+    fn expansion(&self, t: f64, unit: f64, state: &mut [[f64; 21]]) -> bool {
+        let _ = (t, unit, state);
+        false
+    }
+
     /// Replaces an input's function of time by another that writes (u, u', u'').
     fn set_input(&mut self, index: usize, signal: Signal) {
         let _ = (index, signal);

@@ -8,6 +8,7 @@ use super::function::{Function, Target, argument, stores};
 use super::literal::float;
 use super::parameters::field;
 use super::rust::UNJUDGED;
+use super::expansion::expansion;
 use super::series::recurrences;
 use super::words::comment;
 use super::{contacts, memory, momentum, motions, parts, scenes};
@@ -69,6 +70,7 @@ impl Mechanism<'_> {
                 ..Function::default()
             }
             .text(&self.bodies, "    ");
+            out += &expansion(series, n).unwrap_or_default();
         }
         out += &self.constants_function();
         out += &self.inputs();

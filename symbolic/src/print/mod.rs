@@ -24,6 +24,7 @@ mod resting;
 mod rust;
 mod scenes;
 mod scope;
+mod expansion;
 mod series;
 mod source_file;
 mod units;

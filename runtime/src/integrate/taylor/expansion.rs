@@ -19,7 +19,7 @@ pub(super) struct Expansion {
     /// τ, s.
     pub unit: f64,
     /// Of q, then of q'.
-    pub state: Vec<f64>,
+    pub state: Vec<[f64; WIDTH]>,
     jets: Jets,
     constants: Vec<f64>,
     kkt: KktSolver,
@@ -37,7 +37,7 @@ impl Expansion {
         Expansion {
             n,
             unit: 1.0,
-            state: vec![0.0; 2 * n * WIDTH],
+            state: vec![[0.0; WIDTH]; 2 * n],
             jets: Jets::default(),
             constants: Vec::new(),
             kkt: KktSolver::default(),
@@ -57,6 +57,13 @@ impl Expansion {
             self.jets = Jets::new(series.rows.len(), ORDER);
         }
         self.unit = unit;
+        for (state, y) in self.state.iter_mut().zip(y) {
+            state[0] = *y;
+        }
+        if system.expansion(t, unit, &mut self.state) {
+            self.factorizations += 1;
+            return Ok(());
+        }
         self.constants.resize(series.constants, 0.0);
         system.series_constants(&mut self.constants);
         self.kkt.factor(system, At::packed(t, y, n))?;
@@ -64,11 +71,8 @@ impl Expansion {
         let rows = self.kkt.active().len();
         self.multipliers.resize(rows * WIDTH, 0.0);
         self.bends.resize(rows, 0.0);
-        for (i, y) in y.iter().enumerate() {
-            self.state[i * WIDTH] = *y;
-        }
         for k in 0..ORDER {
-            let motion = MotionJets { t, unit, state: &self.state, width: WIDTH, n };
+            let motion = MotionJets { t, unit, state: self.state.as_flattened(), width: WIDTH, n };
             self.jets.extend(series, &self.constants, motion, k);
             self.next(series, k);
         }
@@ -115,8 +119,8 @@ impl Expansion {
         let order = (k + 1) as f64;
         for (i, acceleration) in forces.iter().enumerate() {
             self.accelerations[i * WIDTH + ORDER - k] = *acceleration;
-            self.state[(n + i) * WIDTH + k + 1] = self.unit * acceleration / order;
-            self.state[i * WIDTH + k + 1] = self.unit * self.state[(n + i) * WIDTH + k] / order;
+            self.state[n + i][k + 1] = self.unit * acceleration / order;
+            self.state[i][k + 1] = self.unit * self.state[n + i][k] / order;
         }
         for (r, multiplier) in bends.iter().enumerate() {
             self.multipliers[r * WIDTH + ORDER - k] = *multiplier;
@@ -125,11 +129,11 @@ impl Expansion {
 
     /// Whether all coefficients are finite.
     pub fn is_finite(&self) -> bool {
-        self.state.iter().all(|x| x.is_finite())
+        self.state.as_flattened().iter().all(|x| x.is_finite())
     }
 
     /// A quantity's coefficients.
-    pub fn of(&self, i: usize) -> &[f64] {
-        &self.state[i * WIDTH..(i + 1) * WIDTH]
+    pub fn of(&self, i: usize) -> &[f64; WIDTH] {
+        &self.state[i]
     }
 }
