@@ -76,6 +76,11 @@ pub(crate) fn equilibrated(matrix: &DMatrix<f64>) -> (DMatrix<f64>, DVector<f64>
 
 /// The least x that leaves the least of A x − b, A equilibrated.
 pub(crate) fn solve_least(matrix: &DMatrix<f64>, right: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    solve_least_of_rank(matrix, right, usize::MAX)
+}
+
+/// As [`solve_least`], of a matrix whose rank is no more than this where what it is made of is met exactly: what is more is left out.
+pub(crate) fn solve_least_of_rank(matrix: &DMatrix<f64>, right: &DMatrix<f64>, most: usize) -> Option<DMatrix<f64>> {
     if matrix.is_empty() {
         return Some(DMatrix::zeros(matrix.ncols(), right.ncols()));
     }
@@ -83,7 +88,9 @@ pub(crate) fn solve_least(matrix: &DMatrix<f64>, right: &DMatrix<f64>) -> Option
     let mut b = right.clone();
     b.row_iter_mut().enumerate().for_each(|(i, mut row)| row.scale_mut(rows[i]));
     let size = scaled.amax().max(f64::MIN_POSITIVE) * scaled.nrows().max(scaled.ncols()) as f64;
-    let mut x = svd(scaled, true, true)?.solve(&b, 1e-13 * size).ok()?;
+    let decomposed = svd(scaled, true, true)?;
+    let beyond = decomposed.singular_values.get(most).copied().unwrap_or(0.0);
+    let mut x = decomposed.solve(&b, beyond.max(1e-13 * size)).ok()?;
     x.row_iter_mut().enumerate().for_each(|(i, mut row)| row.scale_mut(columns[i]));
     x.iter().all(|x| x.is_finite()).then_some(x)
 }

@@ -14,7 +14,7 @@ use crate::constrain::{Projection, Start, consistent};
 use crate::linear::equilibrium::{ConvergenceHistory, RELAXATIONS, beside};
 use crate::linear::matrices::{is_lost, natural_sizes, tried_parts};
 use crate::linear::{Equilibrium, Guess, LinearError, Linearised, Mode, ZeroStiffness};
-use crate::matrix::solve_least;
+use crate::matrix::{solve_least, solve_least_of_rank};
 use crate::mechanism::dense::{constraint_triples, mass_matrix};
 use crate::mechanism::{At, System, rows_in_force};
 
@@ -275,13 +275,16 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
                 // As good as rounding lets it be, or nowhere.
                 _ if self.stays(&state) => return Ok(Found { state, iterations, slow: history.slow }),
                 Some((_, next)) => state = next,
-                None => return Err(self.nowhere(&state, iterations)),
+                None => return self.ended(state, from, iterations, history.slow),
             }
         }
-        match self.stays(&state) {
-            true => Ok(Found { state, iterations: ITERATIONS, slow: history.slow }),
-            false => Err(self.nowhere(&state, ITERATIONS)),
-        }
+        self.ended(state, from, ITERATIONS, history.slow)
+    }
+
+    /// What a search ends with that finds nothing better: a rest, if it is one without coordinates that are rounding.
+    fn ended(&self, state: State, from: &[f64], iterations: usize, slow: Option<f64>) -> Result<Found, LinearError> {
+        let state = self.settled(state, from);
+        if self.stays(&state) { Ok(Found { state, iterations, slow }) } else { Err(self.nowhere(&state, iterations)) }
     }
 
     /// Gives rotations the lengths that they have at another place.  Moments about them fall as their lengths grow, so a search that lets these
@@ -312,7 +315,7 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         if matrix.iter().chain(right.iter()).any(|x| !x.is_finite()) {
             return None;
         }
-        let mut step = solve_least(&matrix, &right)?;
+        let mut step = solve_least_of_rank(&matrix, &right, self.n + self.rank())?;
         step.rows_mut(self.n, multipliers.len()).component_mul_assign(&multipliers);
         Some((step, rows))
     }
@@ -420,7 +423,7 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
             input: whole.input(),
             forces: whole.forces(),
         };
-        let multipliers = self.multipliers(state);
+        let multipliers = self.multipliers(&self.shared(state));
         let (Whole { motions, carried, immovable, .. }, there) = (whole, linear.equilibrium.guess());
         Ok((Constrained { linear, coordinates: names, motions, carried, multipliers, immovable }, there))
     }

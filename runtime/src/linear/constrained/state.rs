@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::linear::equilibrium::force_unit;
 use crate::linear::matrices::natural_sizes;
 use crate::linear::{Guess, LinearError, Residual};
-use crate::matrix::solve_least;
+use crate::matrix::{solve_least, solve_least_of_rank};
 use crate::mechanism::dense::{
     constraint_matrix, constraint_rate_jacobian, constraint_slopes, constraint_triples, force_slopes, mass_matrix,
     multiplier_effects, sizes_alike,
@@ -141,14 +141,37 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
         {
             state.turn = turn;
         }
-        let effects = self.telling_effects(&state);
+        let (effects, rank) = (self.telling_effects(&state), self.rank());
         // What rounding leaves of the first is as small as its terms only after a second time.
         for _ in 0..2 {
             let force = DMatrix::from_column_slice(self.n, 1, self.force(&state).as_slice());
-            let Some(lambda) = solve_least(&effects, &force) else { break };
+            let Some(lambda) = solve_least_of_rank(&effects, &force, rank) else { break };
             self.rows.iter().zip(lambda.iter()).for_each(|(row, x)| state.lambda[*row] += x);
         }
         state
+    }
+
+    /// How many rows are independent in general.  Beside places that meet the constraints more may be, as little as these are missed by: multipliers of
+    /// the difference would be as large as one likes.
+    pub fn rank(&self) -> usize {
+        let phase = self.system.description().phases.get(self.system.phase());
+        let own = |rows: &[u32]| rows.iter().map(|row| *row as usize).eq(self.rows.iter().copied());
+        phase.filter(|phase| own(&phase.rows)).map_or(self.rows.len(), |phase| phase.rank as usize)
+    }
+
+    /// The same state with the multipliers that a run has there: where rows depend on each other they share forces by one rule.
+    pub fn shared(&self, state: &State) -> State {
+        let mut shared = state.clone();
+        let dependent = self.rank() < self.rows.len();
+        let mut a = vec![0.0; self.n];
+        let at = At::new(state.t, &state.q, &state.v);
+        if dependent
+            && self.system.accelerations_and_multipliers(at, &mut a, &mut shared.lambda).is_ok()
+            && self.stays(&shared)
+        {
+            return shared;
+        }
+        state.clone()
     }
 
     /// Refuses a state in which three angles lock.
