@@ -158,6 +158,9 @@ impl Digits {
     /// Raises bounds to this part of what each column goes through, where none is known to be less.
     pub(crate) fn part_floor(&mut self, run: &Run, least: f64) {
         let mut ranges = self.ranges.clone();
+        // That another output of its unit is large takes no digits from one.
+        let outputs = 2 * run.names.coordinates.len()..;
+        ranges[outputs.clone()].copy_from_slice(&own_ranges(run, &spans(run), self.still)[outputs]);
         ranges.iter_mut().zip(&run.swept).for_each(|(range, swept)| *range = range.max(*swept));
         for (bound, range) in self.rows.iter_mut().zip(ranges.iter().cycle()) {
             *bound = bound.max(least * range);
@@ -239,6 +242,7 @@ impl Digits {
     }
 
     /// For each coordinate the acceleration of a vibration that goes as far and as fast as one of its unit does, of those the largest; 0 where none moves.
+    /// Infinite of one that stays where it is but for rounding: what is held there accelerates by rounding alone.
     pub(crate) fn usual_accelerations(&self, run: &Run) -> Vec<f64> {
         let n = run.names.coordinates.len();
         let units: Vec<String> = run.names.coordinates.iter().map(|name| run.unit(name)).collect();
@@ -249,7 +253,13 @@ impl Digits {
             let most = of_unit.entry(unit).or_default();
             *most = most.max(own);
         }
-        units.iter().map(|unit| of_unit[unit.as_str()]).collect()
+        let spans = spans(run);
+        let rests = |i: usize| {
+            let alike = (0..n).filter(|k| units[*k] == units[i]).map(|k| spans[k].size());
+            let size = alike.fold(if matches!(&*units[i], "" | "1" | "rad") { 1.0 } else { 0.0 }, f64::max);
+            size > 0.0 && spans[i].range <= ROUNDED * size
+        };
+        (0..n).map(|i| if rests(i) { f64::INFINITY } else { of_unit[units[i].as_str()] }).collect()
     }
 
     /// Raises bounds to what accelerations that are off by this part of themselves, always alike, make of a motion: it is faster or slower,
@@ -521,11 +531,26 @@ fn row_of(run: &Run, row: usize) -> Vec<f64> {
     [&run.rows[2 * n * row..][..2 * n], &run.outputs[m * row..][..m]].concat()
 }
 
-/// How far the values of each column are apart; at least so far as what else has its unit does not round away.  What does
-/// not move by more than this part of itself is constant: its size is its range.
-fn ranges(run: &Run, still: f64) -> Vec<f64> {
-    let names = run.column_names();
-    let mut ends = vec![(f64::INFINITY, f64::NEG_INFINITY); names.len()];
+/// The least and the largest value of a column, and how far it goes.
+struct Span {
+    low: f64,
+    high: f64,
+    range: f64,
+}
+
+impl Span {
+    fn size(&self) -> f64 {
+        self.low.abs().max(self.high.abs())
+    }
+
+    /// What does not move by more than this part of itself is constant: its size is its range.
+    fn own(&self, still: f64) -> f64 {
+        if self.range > still * self.size() { self.range } else { self.size() }
+    }
+}
+
+fn spans(run: &Run) -> Vec<Span> {
+    let mut ends = vec![(f64::INFINITY, f64::NEG_INFINITY); run.names.len()];
     for row in 0..run.len() {
         for ((low, high), value) in ends.iter_mut().zip(row_of(run, row)).filter(|(_, value)| value.is_finite()) {
             (*low, *high) = (low.min(value), high.max(value));
@@ -533,36 +558,45 @@ fn ranges(run: &Run, still: f64) -> Vec<f64> {
     }
     // Where reports are few, most of a motion may lie between them.
     let gone = |column: usize| run.swept.get(column).copied().unwrap_or(0.0);
-    let ranges = ends.iter().enumerate().map(|(column, (low, high))| match (high - low).max(0.0) {
-        // A state that does not move at all is beside its own size.
-        _ if run.len() == 1 => low.abs().max(high.abs()),
-        range if range < 0.5 * gone(column) => gone(column),
-        range => range,
-    });
-    let ranges: Vec<f64> = ranges.collect();
+    let of = |(column, (low, high)): (usize, (f64, f64))| {
+        let range = match (high - low).max(0.0) {
+            // A state that does not move at all is beside its own size.
+            _ if run.len() == 1 => low.abs().max(high.abs()),
+            range if range < 0.5 * gone(column) => gone(column),
+            range => range,
+        };
+        Span { low, high, range }
+    };
+    ends.into_iter().enumerate().map(of).collect()
+}
+
+/// How far the values of each column are apart, of a component of a vector beside the others.
+fn own_ranges(run: &Run, spans: &[Span], still: f64) -> Vec<f64> {
+    let mut ranges: Vec<f64> = spans.iter().map(|span| span.own(still)).collect();
+    let mut first = 2 * run.names.coordinates.len();
+    for output in run.description.outputs.iter() {
+        let own = first..(first + output.components as usize).min(spans.len());
+        let size = spans[own.clone()].iter().map(Span::size).fold(0.0, f64::max);
+        ranges[own.clone()].iter_mut().for_each(|range| *range = range.max(STILL * size));
+        first = own.end;
+    }
+    ranges
+}
+
+/// How far the values of each column are apart; at least so far as what else has its unit does not round away.
+fn ranges(run: &Run, still: f64) -> Vec<f64> {
+    let (names, spans) = (run.column_names(), spans(run));
     let units: Vec<String> = names.iter().map(|name| run.unit(name)).collect();
     // Outputs may be quotients by what vanishes: the motion says what is large, where it has the unit.
     let states = 2 * run.names.coordinates.len();
     let largest = |unit: &String| {
-        let alike = || ranges.iter().zip(&units).enumerate().filter(|(_, (_, other))| *other == unit);
+        let alike = || spans.iter().zip(&units).enumerate().filter(|(_, (_, other))| *other == unit);
         let moves = alike().any(|(column, _)| column < states);
         let counts = alike().filter(|(column, _)| !moves || *column < states);
-        counts.fold(f64::MIN_POSITIVE, |most, (_, (range, _))| most.max(*range))
+        counts.fold(f64::MIN_POSITIVE, |most, (_, (span, _))| most.max(span.range))
     };
-    let of = |column: usize| {
-        let (low, high) = ends[column];
-        let (range, size) = (ranges[column], low.abs().max(high.abs()));
-        (if range > still * size { range } else { size }).max(STILL * largest(&units[column]))
-    };
-    let mut ranges: Vec<f64> = (0..names.len()).map(of).collect();
-    // A component of a vector is beside the others.
-    let mut first = states;
-    for output in run.description.outputs.iter() {
-        let own = first..(first + output.components as usize).min(names.len());
-        let size = ends[own.clone()].iter().fold(0.0_f64, |most, (low, high)| most.max(low.abs()).max(high.abs()));
-        ranges[own.clone()].iter_mut().for_each(|range| *range = range.max(STILL * size));
-        first = own.end;
-    }
+    let mut ranges = own_ranges(run, &spans, still);
+    ranges.iter_mut().zip(&units).for_each(|(range, unit)| *range = range.max(STILL * largest(unit)));
     // Of what is hidden nothing is asked.
     let hidden = names.iter().map(|name| name.starts_with(HIDDEN));
     ranges.iter_mut().zip(hidden).filter(|(_, hidden)| *hidden).for_each(|(range, _)| *range = f64::INFINITY);
@@ -574,7 +608,7 @@ fn ranges(run: &Run, still: f64) -> Vec<f64> {
         }
         // A place is beside the largest that has its unit.
         let alike = (0..states / 2).filter(|k| units[*k] == units[i]);
-        let size = alike.fold(0.0_f64, |most, k| most.max(ends[k].0.abs()).max(ends[k].1.abs()));
+        let size = alike.fold(0.0_f64, |most, k| most.max(spans[k].size()));
         let nothing = if size.is_finite() { NOTHING * size } else { 0.0 };
         ranges[i] = ranges[i].max(nothing);
         if span > 0.0 {

@@ -412,3 +412,42 @@ fn what_sticks_and_slips_is_not_chaotic() {
     let is_chaotic = |warning: &Warning| matches!(warning, Warning::DigitsLost { why: Loss::Instability { .. }, .. });
     assert!(!run.warnings.iter().any(is_chaotic), "{:?}", run.warnings);
 }
+
+/// A block on a rail that two rows hold: what they hold turns by rounding alone, which says nothing of how fast the block swings.  x = 5 cos(t/√2).
+#[test]
+fn what_is_held_takes_no_digits_from_what_moves() {
+    let file = "name: Rail\nparameters: {m: 2 kg, k: 1 N/m, l1: 0.5 m, l2: 0.2 m, g: 9.81 m/s^2}\ncoordinates: {x: m, y: m, th: rad}\n\
+        bodies: {b: {mass: m, inertia: 0.3, angle: th, position: '[x, y]'}}\ngravity: [0, -g]\n\
+        constraints: {p1: y - l1*sin(th), p2: y + l2*sin(th)}\nsprings: {s: {stretch: x, stiffness: k, on: b, along: ground.x}}\n\
+        scene: {start: {x: 5}, until: 1, tolerance: 1e-10}\n";
+    let path = folder("rail").join("rail.yaml");
+    std::fs::write(&path, file).expect("a file");
+    let printed = program(&["simulate", path.to_str().expect("a path")]).expect("a run");
+    assert!(printed.contains("x = 3.80122298") && printed.contains("x' = -2.29681342"), "{printed}");
+}
+
+/// A current that settles a hundred times faster than the rotor turns: where stability limits steps, their ends are good, and what is reported between
+/// them has to be as well.
+#[test]
+fn states_inside_steps_that_stability_limits_are_good() {
+    let file = "name: Motor\nparameters: {J: 1e-3, L: 1e-3, R: 1, K: 0.05, U: 12, b: 1e-4}\ncoordinates: {phi: 1}\n\
+        states: {i: {unit: 1, rate: (U - R*i - K*phi')/L}}\nkinetic_energy: J*phi'^2/2\n\
+        generalized_forces: {phi: K*i - b*phi'}\nscene: {start: {i: 0}, until: 0.25}\n";
+    // i'' + (R/L + b/J) i' + (R b + K²)/(L J) i = b U/(L J), i = 0 and i' = U/L first.
+    let (j, l, r, k, u, b) = (1e-3, 1e-3, 1.0, 0.05, 12.0, 1e-4);
+    let (damping, stiffness) = (r / l + b / j, (r * b + k * k) / (l * j));
+    let root = f64::sqrt(damping * damping / 4.0 - stiffness);
+    let [slow, fast] = [root, -root].map(|root| root - damping / 2.0);
+    let last = b * u / (l * j) / stiffness;
+    let by_slow = (u / l + fast * last) / (slow - fast);
+    let current = |t: f64| last + by_slow * (slow * t).exp() - (last + by_slow) * (fast * t).exp();
+    for tolerance in [1e-8, 1e-10, 1e-11, 1e-12] {
+        let mut case = case(file);
+        (case.settings.tolerance, case.settings.method) = (tolerance, Method::Dop853);
+        case.settings.every = Some(0.0025);
+        let run = case.run();
+        let found = run.column("i").expect("the current");
+        let off = run.times.iter().zip(found).map(|(t, found)| (found - current(*t)).abs()).fold(0.0, f64::max);
+        assert!(off < 200.0 * tolerance * 11.0, "{tolerance}: {off:e}");
+    }
+}

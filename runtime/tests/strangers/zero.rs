@@ -291,3 +291,20 @@ fn what_is_no_number_has_no_sign() {
         assert!(said.contains(names) && said.contains("is not finite"), "{force}: {said}");
     }
 }
+
+/// A force beside another one that is 10²² times as large is what it is: its own terms say what rounding makes of it.
+#[test]
+fn an_output_is_no_rounding_of_another() {
+    for (stiff, start) in [("1e22", "1"), ("1", "1e12")] {
+        let file = format!(
+            "name: Two\nparameters: {{m: 1 kg, k: 1 N/m, stiff: {stiff} N/m}}\ncoordinates: {{x: m, y: 1}}\n\
+             kinetic_energy: m*x'^2/2 + y'^2/2\npotential_energy: k*x^2/2 + y^2/2\n\
+             outputs: {{small: k*x, large: stiff*y*1 m}}\nscene: {{start: {{x: 0.7, y: {start}}}, until: 1, tolerance: 1e-9}}\n"
+        );
+        let path = folder("beside").join("two.yaml");
+        std::fs::write(&path, file).expect("a file");
+        let printed = program(&["simulate", path.to_str().expect("a path")]).expect("a run");
+        // 0.7 cos 1.
+        assert!(printed.contains("small = 0.378211614"), "{printed}");
+    }
+}
