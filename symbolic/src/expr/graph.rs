@@ -104,6 +104,17 @@ pub enum Node {
     Binary(Binary, Id, Id),
 }
 
+impl Node {
+    /// Whether a function has a kink or a jump, or is a table.
+    pub fn is_piecewise(self) -> bool {
+        match self {
+            Node::Unary(f, _) => matches!(f, Unary::Abs | Unary::Sign | Unary::Step | Unary::Table(_)),
+            Node::Binary(f, ..) => matches!(f, Binary::Min | Binary::Max | Binary::Table(_)),
+            Node::Number(_) | Node::Symbol(_) => false,
+        }
+    }
+}
+
 /// The arena.
 ///
 /// Constructors fold 0, 1 and constants, put the operands of sums and products in order and pull signs
@@ -267,14 +278,23 @@ impl Graph {
 
     /// For each node, whether it contains a symbol of which `wanted` is true.
     pub fn contains(&self, wanted: impl Fn(Symbol) -> bool) -> Vec<bool> {
+        self.contains_node(|node| matches!(node, Node::Symbol(s) if wanted(s)))
+    }
+
+    /// For each node, whether it has kinks or jumps, or is made of pieces: what it is in one place says nothing of others.
+    pub fn has_pieces(&self) -> Vec<bool> {
+        self.contains_node(Node::is_piecewise)
+    }
+
+    fn contains_node(&self, wanted: impl Fn(Node) -> bool) -> Vec<bool> {
         let mut found = vec![false; self.nodes.len()];
         for i in 0..self.nodes.len() {
-            found[i] = match self.nodes[i] {
-                Node::Symbol(s) => wanted(s),
-                Node::Number(_) => false,
-                Node::Unary(_, x) => found[x.index()],
-                Node::Binary(_, x, y) => found[x.index()] || found[y.index()],
-            };
+            found[i] = wanted(self.nodes[i])
+                || match self.nodes[i] {
+                    Node::Symbol(_) | Node::Number(_) => false,
+                    Node::Unary(_, x) => found[x.index()],
+                    Node::Binary(_, x, y) => found[x.index()] || found[y.index()],
+                };
         }
         found
     }

@@ -315,11 +315,11 @@ fn is_motion(symbol: Symbol) -> bool {
 /// Whether the state is in nothing that has a kink or a jump, nor in a table.
 fn is_smooth(graph: &Graph, roots: &[Id]) -> bool {
     let moves = graph.contains(is_motion);
-    graph.needed(roots.iter().copied()).into_iter().filter(|id| moves[id.index()]).all(|id| match graph.node(id) {
-        Node::Unary(f, _) => !matches!(f, Unary::Abs | Unary::Sign | Unary::Step | Unary::Table(_)),
-        Node::Binary(f, ..) => !matches!(f, Binary::Min | Binary::Max | Binary::Table(_)),
-        Node::Number(_) | Node::Symbol(_) => true,
-    })
+    graph
+        .needed(roots.iter().copied())
+        .into_iter()
+        .filter(|id| moves[id.index()])
+        .all(|id| !graph.node(id).is_piecewise())
 }
 
 /// A sum of terms without names for their parts, if it is short.
