@@ -50,11 +50,13 @@ impl LinearisationPoint {
     }
 
     fn changing_row(&self, rows: &[u32], q: &[f64]) -> Option<usize> {
-        let system = self.system.borrow();
         let mut sums = vec![0.0; self.n];
         let mut rates = vec![0.0; rows.len()];
-        for t in TIMES {
-            for generic in [false, true] {
+        let found = TIMES.into_iter().find_map(|t| {
+            // Sides of what changes with time are those of then.
+            self.settle(t, q, &self.v);
+            let system = self.system.borrow();
+            [false, true].into_iter().find_map(|generic| {
                 let at = At::new(t, q, &self.v).accelerated(&self.zero);
                 match generic {
                     false => system.time_jacobian(at, &mut rates),
@@ -63,11 +65,10 @@ impl LinearisationPoint {
                 system.magnitudes(at, &mut sums);
                 // A rate of one part in 10¹² a second is rounding of what cancels.
                 let changes = |(row, rate): (&u32, &f64)| rate.is_finite() && rate.abs() > 1e-12 * sums[*row as usize];
-                if let Some((row, _)) = rows.iter().zip(&rates).find(|pair| changes(*pair)) {
-                    return Some(*row as usize);
-                }
-            }
-        }
-        None
+                rows.iter().zip(&rates).find(|pair| changes(*pair)).map(|(row, _)| *row as usize)
+            })
+        });
+        self.settle(0.0, q, &self.v);
+        found
     }
 }
