@@ -17,11 +17,41 @@ pub(crate) fn mass_matrix<S: System + ?Sized>(system: &S, at: At<'_>) -> DMatrix
     mass
 }
 
+/// Speeds that are none beside any other, SI, and what they make of a slope that vanishes with them at the most.
+const SLOW: f64 = 1e-100;
+const GONE_WITH_SPEED: f64 = 1e-50;
+/// Slopes that are alike in several directions are so to this part of themselves.
+const SAME_SLOPE: f64 = 1e-9;
+
+/// Values of ∂F/∂q and ∂F/∂q' as the patterns have them.  One by a speed that has no value where all rests, as that of |v| v has not as it is written,
+/// is the limit that it has as speeds vanish, if that is the same in all directions.
+pub(crate) fn jacobians<S: System + ?Sized>(system: &S, at: At<'_>, dq: &mut [f64], dv: &mut [f64]) {
+    system.jacobians(at, dq, dv);
+    if dv.iter().all(|x| x.is_finite()) || at.v.iter().any(|v| *v != 0.0) {
+        return;
+    }
+    let towards = |turn: f64| {
+        let v: Vec<f64> = (0..at.v.len()).map(|i| SLOW * (1.0 + i as f64 + turn).sin()).collect();
+        let mut slopes = dv.to_vec();
+        system.jacobians(At { v: &v, ..at }, &mut dq.to_vec(), &mut slopes);
+        slopes
+    };
+    let [first, others @ ..] = [0.0, 1.3, 2.9].map(towards);
+    for (k, slope) in dv.iter_mut().enumerate().filter(|(_, slope)| !slope.is_finite()) {
+        let size = first[k].abs();
+        if others.iter().all(|other| other[k].abs().max(size) < GONE_WITH_SPEED) {
+            *slope = 0.0;
+        } else if others.iter().all(|other| (other[k] - first[k]).abs() <= SAME_SLOPE * size) {
+            *slope = first[k];
+        }
+    }
+}
+
 /// ∂F/∂q and ∂F/∂q'.
 pub(crate) fn force_slopes<S: System + ?Sized>(system: &S, at: At<'_>) -> [DMatrix<f64>; 2] {
     let patterns = [&system.description().stiffness_pattern, &system.description().damping_pattern];
     let [mut dq, mut dv] = patterns.map(|pattern| vec![0.0; pattern.len()]);
-    system.jacobians(at, &mut dq, &mut dv);
+    jacobians(system, at, &mut dq, &mut dv);
     let shape = (system.len(), system.len());
     [scatter(shape, patterns[0], &dq), scatter(shape, patterns[1], &dv)]
 }

@@ -606,3 +606,90 @@ fn growth_whose_sign_rounding_hides_is_not_told() {
     let told = program(&["modes", path.to_str().expect("a path")]).expect("modes");
     assert!(told.contains("± 3.94606i") && !told.contains("unstable"), "{told}");
 }
+
+/// Bennett's linkage hangs and stands where dV/dth1 = 0, at ±2.50534272 rad, and swings at 4.3513 rad/s (closed form of the linkage, mpmath).  Near
+/// other places its five rows, of which two count, seem to carry 10¹⁰ N, beside which any force is small.
+#[test]
+fn rows_that_depend_on_each_other_hide_no_force() {
+    let bennett = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/bennett.yaml");
+    let modes = |arguments: &[&str]| {
+        let told = program(&[&["modes", bennett, "--json"], arguments].concat()).expect("modes");
+        serde_json::from_str::<serde_json::Value>(&told).expect("JSON")
+    };
+    for (arguments, th1) in [(&[][..], 2.505_342_72), (&["--at", "th1=1"], -2.505_342_72)] {
+        let told = modes(arguments);
+        let found = told["equilibrium"]["th1"].as_f64().expect("a number");
+        assert!((found - th1).abs() < 1e-8, "{found}");
+    }
+    let told = program(&["modes", bennett, "--at", "th1=1"]).expect("modes");
+    assert!(told.contains("omega = 4.3513"), "{told}");
+}
+
+/// A tray on three guides of which two hold it: its rest is found, and the guides share its weight as they do in a run, by the least Σ S_kk λ_k².
+#[test]
+fn what_too_many_guides_hold_rests_and_is_shared_as_in_a_run() {
+    let text = "name: Tray\nparameters: {m: 2 kg, g: 9.81 m/s^2, k: 1 N/m, l1: 0.5 m, l2: 0.2 m, l3: 0.7 m}\n\
+                coordinates: {x: m, y: m, th: rad}\npoints: {c: '[x, y]'}\n\
+                bodies: {b: {mass: m, inertia: 0.3, angle: th, position: c}}\ngravity: [0, -g]\n\
+                constraints: {p1: '(c - l1*b.x).y', p2: '(c + l2*b.x).y', p3: '(c + l3*b.x).y'}\n\
+                springs: {s: {stretch: x, stiffness: k, on: b, along: ground.x}}\nscene: {start: {x: 5}, until: 1}\n";
+    let path = folder("tray").join("tray.yaml");
+    std::fs::write(&path, text).expect("written");
+    let told = program(&["modes", path.to_str().expect("a path")]).expect("modes");
+    assert!(told.contains("0.707107"), "{told}");
+    for (row, share) in [("p1", "7.11482"), ("p2", "10.")] {
+        assert!(told.contains(&format!("reaction({row}) at rest = {share}")), "{told}");
+    }
+}
+
+/// −c |v| v, whose slope by v is 0 at rest and 0/0 as it is written: a bob on a spring without damping for small motions.  A force of |v| has no slope.
+#[test]
+fn drag_by_the_square_of_a_speed_damps_no_small_motion() {
+    let modes = |force: &str| {
+        let text = format!(
+            "name: Drag\nparameters: {{m: 1 kg, k: 4 N/m, g: 9.81 m/s^2, c: 0.5 kg/m, d: 0.5 N*s/m}}\ncoordinates: {{x: m, y: m}}\n\
+             bodies: {{b: {{mass: m, position: '[x, y]'}}}}\ngravity: [0, -g]\npoints: {{O: [0, 0]}}\n\
+             springs: {{s: {{between: [O, b], stiffness: k}}}}\nforces: {{drag: {{on: b, force: '{force}'}}}}\n\
+             scene: {{start: {{x: 0.1}}, until: 1}}\n"
+        );
+        let path = folder("drag").join("drag.yaml");
+        std::fs::write(&path, text).expect("written");
+        program(&["modes", path.to_str().expect("a path")])
+    };
+    let told = modes("-c*norm(velocity(b))*velocity(b)").expect("modes");
+    assert!(told.contains("C = 0") && told.contains("omega = 2 rad/s"), "{told}");
+    assert!(modes("[-d*norm(velocity(b)), 0]").is_err());
+}
+
+/// |sin ω t| has a side at any time but 0: no rest, as with sin ω t.
+#[test]
+fn the_size_of_what_time_moves_is_no_rest() {
+    for drive in ["A*abs(sin(w*t))", "A*sin(w*t)", "A*sqrt(abs(w*t))", "-k*x*abs(sin(w*t))"] {
+        let text = format!(
+            "name: Driven\nparameters: {{m: 1 kg, k: 10 N/m, A: 1 N, w: 3 1/s}}\ncoordinates: {{x: m}}\n\
+             bodies: {{cart: {{mass: m, position: '[x, 0]'}}}}\n\
+             springs: {{s: {{stretch: x, stiffness: k, on: cart, along: '[1, 0]'}}}}\n\
+             forces: {{drive: {{on: cart, force: '[{drive}, 0]'}}}}\nscene: {{start: {{x: 0.1}}, until: 1}}\n"
+        );
+        let path = folder("driven").join("driven.yaml");
+        std::fs::write(&path, text).expect("written");
+        let refused = program(&["modes", path.to_str().expect("a path")]).expect_err("no rest");
+        assert!(refused.contains("time"), "{drive}: {refused}");
+    }
+}
+
+/// A bob on a cart that two springs draw along a rail: th comes to 1e-26 rad beside a force of one term, which is nothing but that.
+#[test]
+fn what_has_one_term_that_vanishes_is_at_rest() {
+    let text = "name: Rail\nparameters: {m: 1.19 kg, M: 0.593 kg, l: 0.382 m, g: 9.03 m/s^2, k: 8560 N/m, r: 0.913 m, xa: -1.32 m, \
+                ya: 0.61 m, k0: 10 N/m, r0: 1.08 m}\ncoordinates: {x: m, y: m, th: rad}\npoints: {A: '[xa, ya]'}\n\
+                bodies: {cart: {mass: M, position: '[x, y]'}, bob: {mass: m, position: '[x + l*sin(th), y - l*cos(th)]'}}\n\
+                gravity: [0, -g]\nsprings: {s: {between: [A, cart], stiffness: k, rest: r}, s0: {between: [A, cart], stiffness: k0, rest: r0}}\n\
+                constraints: {rail: y}\nscene: {start: {x: 0.165, th: -0.347}, until: 1.55}\n";
+    for k0 in [10.0, 20.0, 77.7] {
+        let mut case = case(text);
+        case.system.set_parameter(9, k0);
+        let found = linearise_constrained(&case.system, &Guess::at(&[0.165, 0.0, -0.347]), false);
+        assert!(found.is_ok_and(|found| found.linear.equilibrium.q[2] == 0.0), "{k0}");
+    }
+}

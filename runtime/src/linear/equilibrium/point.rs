@@ -8,7 +8,7 @@ use nalgebra::DMatrix;
 use super::Guess;
 use crate::linear::matrices::NO_ANGLE;
 use crate::linear::{LinearError, Residual, SparseMatrix, has_dependent_coordinates, short};
-use crate::mechanism::dense::{constraint_matrix, constraint_triples};
+use crate::mechanism::dense::{constraint_matrix, constraint_triples, jacobians};
 use crate::mechanism::{At, SwitchKind, System, rate_name};
 use crate::trust::ends_that_meet;
 
@@ -135,7 +135,7 @@ impl LinearisationPoint {
     }
 
     /// Puts every switch on the side where its argument is; on its surface `sign` is 0 and `step` is 1, where nothing else is known.
-    fn settle(&self, t: f64, q: &[f64], v: &[f64]) {
+    pub(super) fn settle(&self, t: f64, q: &[f64], v: &[f64]) {
         let arguments = self.arguments(t, q, v);
         if arguments.is_empty() {
             return;
@@ -297,7 +297,7 @@ impl LinearisationPoint {
         let mut stiffness = vec![0.0; description.stiffness_pattern.len()];
         let mut damping = vec![0.0; description.damping_pattern.len()];
         system.mass_matrix(At::new(0.0, q, v), &mut mass);
-        system.jacobians(self.at(0.0, q, v), &mut stiffness, &mut damping);
+        jacobians(&**system, self.at(0.0, q, v), &mut stiffness, &mut damping);
         [
             SparseMatrix::symmetric(self.n, &description.mass_pattern, &mass),
             SparseMatrix::new(self.n, self.n, &description.damping_pattern, &damping),
