@@ -11,6 +11,7 @@ use crate::events::{switch_mode, switch_text};
 use crate::mechanism::{Along, At, Enforcement, Function, Method, Stabilisation, System};
 use crate::run::{Names, Run, Side};
 use crate::simulate::{Origin, Settings, Simulation, settled, simulate};
+use crate::trust::not_unique;
 
 /// A run, and how its numbers change with its start and with parameters.
 #[derive(Clone, Debug)]
@@ -114,7 +115,21 @@ pub(crate) fn run_with_slopes(
     let fine = varied(system, settings, origin, &list, None).map_err(|error| named(error, unknowns))?;
     let again = |other: &Settings| varied(system, other, origin, &list, None);
     let other = second(&fine, settings, again, |other| other).filter(|other| other.run.agrees(&fine));
-    Ok(fine.beside(other.as_ref(), unknowns, Names::of(system.description()).columns()))
+    let mut slopes = fine.beside(other.as_ref(), unknowns, Names::of(system.description()).columns());
+    slopes.forget_shares(system);
+    Ok(slopes)
+}
+
+impl Slopes {
+    /// How rows that depend on each other share a force is a rule, and not an equation whose slope is known.
+    fn forget_shares(&mut self, system: &dyn System) {
+        let n = system.len();
+        let Some(last) = self.run.len().checked_sub(1) else { return };
+        let shared = not_unique(system, self.run.times[last], &self.run.rows[2 * n * last..][..2 * n]);
+        for values in self.values.iter_mut().flatten() {
+            shared.iter().for_each(|output| values[2 * n + output] = Slope { value: f64::NAN, error: f64::NAN });
+        }
+    }
 }
 
 fn may_be_varied(system: &dyn System, settings: &Settings) -> Result<(), NoSlopes> {
