@@ -12,7 +12,7 @@ const MODELS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../models");
 const TOLERANCE: f64 = 1e-6;
 
 /// What each shows: the model, its options, and where its run is compared.
-const COMPARED: [(&str, &[&str]); 14] = [
+const COMPARED: [(&str, &[&str]); 20] = [
     // Nothing but coordinates.
     ("double_pendulum", &["--until", "2"]),
     ("triple_pendulum", &["--until", "3"]),
@@ -34,6 +34,13 @@ const COMPARED: [(&str, &[&str]); 14] = [
     ("thermostat", &[]),
     // A table of two arguments, of which one is an input.
     ("engine_map", &["--until", "10"]),
+    // Events that end, record and switch; a constraint on a curve; many coordinates with dampers; a law that grows.
+    ("braking_car", &[]),
+    ("cannon_ball", &[]),
+    ("cannon_ball_quadratic", &[]),
+    ("bead_parabola", &[]),
+    ("damped_chain", &[]),
+    ("exponential_growth", &[]),
 ];
 
 /// Files whose motions pass zeros at which rounding, or nothing but what happens a moment later, says what is on either side.
