@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let meant = if OVER_CONSTRAINED.contains(&file.as_str()) { "#[allow(deprecated)]\n" } else { "" };
             writeln!(
                 modules,
-                "{meant}#[doc = {words:?}]\npub mod {module} {{\n    ::dalembert::model!({file:?}, name = {name}, methods = \"taylor\");\n}}"
+                "{meant}#[doc = {words:?}]\npub mod {module} {{\n    ::dalembert::model!({file:?}, name = {name}, methods = \"taylor as data\");\n}}"
             )?;
             system = format!(
                 "Some(|| ::std::boxed::Box::new(::dalembert::mechanism::Dynamic::new(<self::{module}::{name} as ::std::default::Default>::default())))"

@@ -117,7 +117,7 @@ fn own() -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     for text in [include_str!("../fuzz/corpus/derive/whole.yaml"), SPARE] {
         let Ok(program) = compile(text, &[]) else { panic!("a model that is right is refused") };
-        let code = rust(&program.with_series(), "", "Whole");
+        let code = rust(&program.with_series(true), "", "Whole");
         let code = code.lines().filter(|line| !line.trim_start().starts_with("//"));
         let code: String = code.flat_map(|line| line.split('"').step_by(2).chain(["\n"])).collect();
         let words = code.split(|c: char| !(c.is_ascii_alphanumeric() || c == '_'));

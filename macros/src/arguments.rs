@@ -13,8 +13,19 @@ pub struct Arguments {
     pub name: Option<Ident>,
     /// Whether what is doubtful in the file is told.
     pub warnings: Warnings,
-    /// Whether the code has what Taylor's method needs.
-    pub series: bool,
+    /// What the code has of what Taylor's method needs.
+    pub series: Series,
+}
+
+/// How a motion's power series are made.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Series {
+    /// Not at all.
+    No,
+    /// By recurrences as data.
+    Data,
+    /// By statements too, where the model is small.
+    Written,
 }
 
 /// What becomes of the model file's warnings.
@@ -42,7 +53,7 @@ impl Parse for Arguments {
         if input.peek(LitStr) {
             source = Some(Source::Path(input.parse()?));
         }
-        let (mut sizes, mut name, mut warnings, mut series) = (Vec::new(), None, Warnings::Warn, false);
+        let (mut sizes, mut name, mut warnings, mut series) = (Vec::new(), None, Warnings::Warn, Series::No);
         while !input.is_empty() {
             if source.is_some() {
                 input.parse::<Token![,]>()?;
@@ -60,13 +71,14 @@ impl Parse for Arguments {
                 warnings = level(&input.parse()?)?;
             } else if key == "methods" && input.peek(LitStr) {
                 let methods: LitStr = input.parse()?;
-                if methods.value() != "taylor" {
-                    return Err(syn::Error::new(
-                        methods.span(),
-                        "expected `\"taylor\"`: all other methods need nothing more",
-                    ));
-                }
-                series = true;
+                series = match &*methods.value() {
+                    "taylor" => Series::Written,
+                    "taylor as data" => Series::Data,
+                    _ => {
+                        let expected = "expected `\"taylor\"`: all other methods need nothing more";
+                        return Err(syn::Error::new(methods.span(), expected));
+                    }
+                };
             } else {
                 let negative = input.parse::<Option<Token![-]>>()?.is_some();
                 let size: i64 = input.parse::<LitInt>()?.base10_parse()?;

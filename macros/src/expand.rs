@@ -6,7 +6,7 @@ use dalembert_symbolic::{file, lower, print};
 use proc_macro2::{Span, TokenStream};
 use quote::{quote, quote_spanned};
 
-use crate::arguments::{Arguments, Source, Warnings};
+use crate::arguments::{Arguments, Series, Source, Warnings};
 
 /// The items of a mechanism, or one error that tells all problems and a skeleton of the type.
 pub fn expand(arguments: &Arguments) -> TokenStream {
@@ -17,7 +17,11 @@ pub fn expand(arguments: &Arguments) -> TokenStream {
     let given = arguments.name.as_ref().map(ToString::to_string);
     match lower::compile_in(folder.as_deref(), &text, &arguments.sizes) {
         Ok(program) => {
-            let program = if arguments.series { program.with_series() } else { program };
+            let program = match arguments.series {
+                Series::No => program,
+                Series::Data => program.with_series(false),
+                Series::Written => program.with_series(true),
+            };
             let tables = program.model.files.iter().map(|file| watched(&file.to_string_lossy()));
             let tables: TokenStream = tables.collect();
             let name = given.unwrap_or_else(|| print::type_name(&program.model.name));

@@ -93,12 +93,12 @@ pub mod mechanism {
 #[doc(hidden)]
 #[macro_export]
 macro_rules! generated_for {
-    (6) => {};
+    (7) => {};
     ($format:literal) => {
         ::core::compile_error!(::core::concat!(
             "this code was generated for format ",
             $format,
-            " of dalembert, and this version of the library reads format 6: write it again by this version's `dalembert generate`"
+            " of dalembert, and this version of the library reads format 7: write it again by this version's `dalembert generate`"
         ));
     };
 }

@@ -53,7 +53,13 @@ fn build(name: &str, size: Option<&str>, coordinates: usize, folder: &Path) -> O
     let arguments = ["dalembert", "export", &model, "--c", to].into_iter().chain(size.as_deref());
     dalembert::cli::run(&[], arguments.collect::<Vec<_>>(), &mut Vec::new()).map_err(|problem| problem.to_string())?;
     let (main, program) = (folder.join("main.c"), folder.join("main"));
-    fs::write(&main, TIMED.replace("NAME", name).replace("COORDINATES", &coordinates.to_string()).replace("CALLS", &CALLS.to_string()))?;
+    fs::write(
+        &main,
+        TIMED
+            .replace("NAME", name)
+            .replace("COORDINATES", &coordinates.to_string())
+            .replace("CALLS", &CALLS.to_string()),
+    )?;
     let sources = [main, folder.join(format!("{name}.c")), folder.join("dalembert_core.c")];
     let built = Command::new("cc").args(["-O3", "-o"]).arg(&program).args(sources).arg("-lm").status()?;
     if built.success() { Ok(program) } else { Err(format!("cc: {built}").into()) }

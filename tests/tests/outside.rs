@@ -111,7 +111,7 @@ fn code_of_another_format_is_refused_by_the_compiler_in_words() {
         fs::write(other.join(file), text.replace(from, to)).expect("a file");
     };
     changed("Cargo.toml", "../../runtime", runtime.to_str().expect("a path"));
-    changed("src/double_pendulum.rs", "generated_for!(6)", "generated_for!(0)");
+    changed("src/double_pendulum.rs", "generated_for!(7)", "generated_for!(0)");
     let (_, said) = told(&cargo(&["build", "--quiet"], &other));
     assert!(said.contains("this code was generated for format 0 of dalembert"), "{said}");
     assert!(said.contains("write it again by this version's `dalembert generate`"), "{said}");

@@ -23,7 +23,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     let model = ModelFile::named(context, asked, sizes(options)?)?;
     let program = derived(&model).map_err(|problems| model.problem(&problems))?;
     eprint!("{}", file::render(&model.path, &model.source, &program.model.warnings));
-    let program = if text("methods").is_some() { program.with_series() } else { program };
+    let program = if text("methods").is_some() { program.with_series(true) } else { program };
     let command = command(options, asked, path);
     let own = print::type_name(&program.model.name);
     let purpose = if options.get_flag("no-std") { Purpose::NoStd } else { Purpose::Runs };

@@ -445,9 +445,9 @@ impl Program {
         }
     }
 
-    /// With the recurrences of its power series, where it has some.
-    pub fn with_series(mut self) -> Program {
-        self.series = Series::of(&self);
+    /// With the recurrences of its power series, where it has some; in code as statements too, if they are to be `written`.
+    pub fn with_series(mut self, written: bool) -> Program {
+        self.series = Series::of(&self).map(|series| Series { written, ..series });
         self
     }
 

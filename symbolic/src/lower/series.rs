@@ -22,6 +22,8 @@ pub struct Series {
     pub matrix: Vec<(usize, usize, Place)>,
     /// γ.
     pub constraint_bias: Vec<Place>,
+    /// Whether code has statements for them beside the data, where the model is small.
+    pub written: bool,
 }
 
 /// Where an expression's coefficients are.

@@ -1,7 +1,7 @@
 //! `fn expansion(…)`: the power series of a motion order by order, as statements without a loop.
 //!
-//! What [`Series`] gives as data for a loop to walk through is written out here: every coefficient is a variable, and those that vanish whatever the motion
-//! are not there.  The terms of a sum stand in the order in which their factors are known, so that the sum waits for the last of them only.
+//! What [`Series`] gives as data for a loop to walk through is written out here: every coefficient is a variable, and those that vanish whatever the
+//! motion are not there.  The terms of a sum stand in the order in which their factors are known, so that the sum waits for the last of them only.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -21,8 +21,20 @@ const PIVOT: f64 = 1e-6;
 pub(super) fn expansion(series: &Series, n: usize) -> Option<String> {
     let moves = |place: &Place| matches!(place, Place::Row(_));
     let convolutions: usize = series.rows.iter().map(|row| convolutions(*row)).sum::<usize>()
-        + series.mass.iter().map(|(i, j, value)| if !moves(value) { 0 } else if i == j { 1 } else { 2 }).sum::<usize>();
-    if n == 0 || !series.constraint_bias.is_empty() || convolutions > CONVOLUTIONS {
+        + series
+            .mass
+            .iter()
+            .map(|(i, j, value)| {
+                if !moves(value) {
+                    0
+                } else if i == j {
+                    1
+                } else {
+                    2
+                }
+            })
+            .sum::<usize>();
+    if !series.written || n == 0 || !series.constraint_bias.is_empty() || convolutions > CONVOLUTIONS {
         return None;
     }
     let mut writer = Writer::new(series, n);
@@ -235,7 +247,10 @@ impl<'a> Writer<'a> {
                     continue;
                 }
                 self.bind(format!("d{j}"), &value);
-                let _ = writeln!(self.out, "        if !(d{j} > {PIVOT:?} * {diagonal}) {{\n            return false;\n        }}");
+                let _ = writeln!(
+                    self.out,
+                    "        if !(d{j} > {PIVOT:?} * {diagonal}) {{\n            return false;\n        }}"
+                );
                 self.bind(format!("e{j}"), &format!("1.0 / d{j}"));
             }
         }

@@ -4,11 +4,11 @@ use std::fmt::Write;
 
 use super::body::{Bodies, Use};
 use super::description::description;
+use super::expansion::expansion;
 use super::function::{Function, Target, argument, stores};
 use super::literal::float;
 use super::parameters::field;
 use super::rust::UNJUDGED;
-use super::expansion::expansion;
 use super::series::recurrences;
 use super::words::comment;
 use super::{contacts, memory, momentum, motions, parts, scenes};

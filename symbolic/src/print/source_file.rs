@@ -5,7 +5,7 @@ use super::rust::{Purpose, items};
 use crate::lower::Program;
 
 /// The version of generated code: of what it implements and calls.  The runtime's macro `generated_for` refuses every other.
-pub const FORMAT: u32 = 6;
+pub const FORMAT: u32 = 7;
 
 /// How the line begins that says how a file is renewed.
 const RENEW: &str = "// To renew it: ";

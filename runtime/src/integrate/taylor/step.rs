@@ -69,15 +69,13 @@ impl Taylor {
     fn error(&mut self, theta: f64, h: f64, tolerance: &Tolerance) -> f64 {
         let falls = tolerance.relative.powf(1.0 / ORDER as f64);
         let finer = if tolerance.relative <= ROUNDING { FINER } else { 1.0 };
-        let mut worst = 0.0_f64;
-        for back in (0..LAST).rev() {
-            let power = theta.powi((ORDER - back) as i32) * falls.powi(back as i32);
-            for (i, error) in self.errors.iter_mut().enumerate() {
-                *error = (self.expansion.of(i)[ORDER - back] * power).abs();
-            }
-            worst = worst.max(self.ends.in_units(&self.errors, h, tolerance));
+        let powers: [f64; LAST] =
+            std::array::from_fn(|back| theta.powi((ORDER - back) as i32) * falls.powi(back as i32));
+        for (i, error) in self.errors.iter_mut().enumerate() {
+            let terms = self.expansion.of(i).iter().rev().zip(powers).map(|(term, power)| (term * power).abs());
+            *error = terms.fold(0.0, |most, term| if term > most || term.is_nan() { term } else { most });
         }
-        finer * worst
+        finer * self.ends.in_units(&self.errors, h, tolerance)
     }
 
     /// What the series misses the rates at its end by, over the step, in units of the tolerance, as an error of its last term makes it: where what comes
