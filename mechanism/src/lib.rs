@@ -68,7 +68,7 @@ pub use noise::Noise;
 pub use noise::normal;
 pub use real::Real;
 #[cfg(feature = "alloc")]
-pub use runs::{Mechanism, Scene};
+pub use runs::{Mechanism, Scene, Spin};
 #[doc(hidden)]
 pub use sampling::NO_SAMPLING;
 pub use sampling::{Clock, Sampling, Target, Trigger};

@@ -50,6 +50,15 @@ pub trait Mechanism<const N: usize, const C: usize>: Equations<N, C> {
     fn start_condition_values(&self) -> Vec<f64>;
 }
 
+/// A rotation whose angular velocity a start names: it stays what it is wherever the attitude is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Spin {
+    /// The first of its coordinates.
+    pub first: usize,
+    /// Along its own axes, or else along those from which it is turned.
+    pub own: bool,
+}
+
 /// Where and how long to run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
@@ -61,6 +70,8 @@ pub struct Scene {
     pub held_q: Vec<bool>,
     /// Which rates do.
     pub held_v: Vec<bool>,
+    /// Rotations whose rates are those of an angular velocity that the scene names, at the attitude in `q`.
+    pub spins: Vec<Spin>,
     /// Whether somebody gave a guess.
     pub guessed: bool,
     /// The phase in which it starts.

@@ -87,7 +87,7 @@ impl Changes {
     /// These settings with the changes.
     pub fn of(&self, mut settings: Settings) -> Settings {
         for (place, value) in &self.start {
-            start_at(&mut settings, *place, *value);
+            settings.start_at(*place, *value);
         }
         for (place, value) in &self.memory {
             settings.memory.iter_mut().for_each(|memory| memory[*place] = *value);
@@ -99,17 +99,6 @@ impl Changes {
         settings.max_steps = self.max_steps.unwrap_or(settings.max_steps);
         settings
     }
-}
-
-/// Starts at this value of a component of [q; q'], which constraints then leave alone.
-pub fn start_at(settings: &mut Settings, place: usize, value: f64) {
-    let n = settings.q.len();
-    let (list, held, i) = match place.checked_sub(n) {
-        None => (&mut settings.q, &mut settings.held_q, place),
-        Some(i) => (&mut settings.v, &mut settings.held_v, i),
-    };
-    list[i] = value;
-    held.get_mut(i).into_iter().for_each(|held| *held = true);
 }
 
 /// Applies `--scene`, `--params`, `--set` and `--input`; the scene's index, and a reader for the other options.

@@ -130,6 +130,7 @@ pub fn start(loaded: &Loaded, reader: &mut Reader, path: &str, settings: &mut Se
     // A motion went through it: nothing is chosen any more.
     settings.held_q.fill(true);
     settings.held_v.fill(true);
+    settings.spins.clear();
     (settings.start_conditions, settings.guessed) = (0..0, true);
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! Constraints along a motion: consistent starts, and states kept on them.
 //!
-//! 1. A start that meets the constraints: look in `start.rs`; what else it is to meet: `start_conditions.rs`;
-//!    other ways to put the mechanism together: `branch.rs`.
+//! 1. A start that meets the constraints: look in `start.rs`; what else it is to meet: `start_conditions.rs`; angular velocities
+//!    at the attitude that is found: `spin.rs`; other ways to put the mechanism together: `branch.rs`.
 //! 2. After every step positions and speeds go back to the constraints, in the metric of M: look in `projection.rs`.
 //! 3. Jumps of the speeds where constraints are entered or struck: look in `impact.rs`.
 //!
@@ -14,6 +14,7 @@ mod contacts;
 mod held;
 mod impact;
 mod projection;
+mod spin;
 mod start;
 mod start_conditions;
 
@@ -27,4 +28,5 @@ pub(crate) use held::held_switches;
 pub(crate) use impact::{VelocityJump, possible_restitution, possible_restitutions, velocity_jump};
 pub(crate) use projection::Projection;
 pub use projection::Residuals;
+pub(crate) use spin::KeptSpin;
 pub(crate) use start::{Start, consistent};

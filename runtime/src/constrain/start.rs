@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::spin::KeptSpin;
 use crate::cause::Cause;
 use crate::matrix::{rank, solve_least, svd};
 use crate::mechanism::dense::{
@@ -21,6 +22,8 @@ pub(crate) struct Start<'a> {
     pub y: &'a [f64],
     /// Which of [q; q'] keep their values.
     pub held: &'a [bool],
+    /// Angular velocities among what is held, whose rates follow from the attitude.
+    pub spins: &'a [KeptSpin],
     /// Which of the mechanism's other equations of the start are to be met.
     pub start_conditions: Range<usize>,
 }
@@ -59,6 +62,7 @@ pub(crate) fn consistent<S: System + ?Sized>(system: &S, start: &Start<'_>) -> R
         closing.nearest(&mut y);
         closing.nearest_to_rounding(&mut y);
         closing.judge(&y)?;
+        closing.spin(&mut y);
         closing.speeds(&mut y)?;
     }
     if !start.start_conditions.is_empty() {
@@ -84,6 +88,7 @@ pub(super) struct Closing<'a, S: System + ?Sized> {
     pub n: usize,
     guess: &'a [f64],
     pub held: &'a [bool],
+    spins: &'a [KeptSpin],
     /// Active rows.
     pub rows: Vec<usize>,
     /// Those of them without speeds.
@@ -98,7 +103,7 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
         let rows: Vec<usize> = rows_in_force(system).collect();
         let holonomic = rows.iter().copied().filter(|row| system.description().rows[*row].holonomic).collect();
         let free = (0..n).filter(|i| !start.held[*i]).collect();
-        Closing { system, t: start.t, n, guess: start.y, held: start.held, rows, holonomic, free }
+        Closing { system, t: start.t, n, guess: start.y, held: start.held, spins: start.spins, rows, holonomic, free }
     }
 
     pub fn triples(&self, y: &[f64]) -> Vec<[f64; 3]> {
@@ -356,6 +361,13 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
         Some(solution.rows(0, f).column(0).into_owned())
     }
 
+    /// Where an attitude has left the guess, gives it the rates of the angular velocity that is kept.
+    pub fn spin(&self, y: &mut [f64]) {
+        let (q, v) = y.split_at_mut(self.n);
+        let moved = self.spins.iter().filter(|spin| q[spin.places()] != self.guess[spin.places()]);
+        moved.for_each(|spin| spin.put(q, v));
+    }
+
     /// Speeds that are not held: those of least kinetic energy among all that the constraints allow.
     fn speeds(&self, y: &mut [f64]) -> Result<(), Box<Cause>> {
         let n = self.n;
@@ -470,15 +482,19 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
             let of = |y: &[f64], places: &Range<usize>| DVector::from_column_slice(&y[places.clone()]);
             let (q, guess) = (of(y, &places), of(self.guess, &places));
             let ratio = guess.norm() / q.norm();
-            if !free(&speeds) || !ratio.is_normal() {
+            let kept = self.spins.iter().any(|spin| spin.places() == places);
+            if !(free(&speeds) || kept) || !ratio.is_normal() {
                 continue;
             }
-            let v = of(y, &speeds);
-            let v = &v - &q * (q.dot(&v) / q.norm_squared());
             let ratio = if free(&places) { ratio } else { 1.0 };
+            if free(&speeds) {
+                let v = of(y, &speeds);
+                let v = &v - &q * (q.dot(&v) / q.norm_squared());
+                y[speeds].copy_from_slice((v * ratio).as_slice());
+            }
             y[places].copy_from_slice((q * ratio).as_slice());
-            y[speeds].copy_from_slice((v * ratio).as_slice());
         }
+        self.spin(y);
     }
 
     fn name(&self, row: usize) -> String {

@@ -1,5 +1,6 @@
 //! A run at some values of what is unknown, with its slopes.
 
+use crate::constrain::KeptSpin;
 use crate::error::{Error, NotFound};
 use crate::mechanism::System;
 use crate::run::Names;
@@ -63,17 +64,13 @@ impl Source {
                 let (list, from) = if i < n { (&mut settings.q, &scene.q) } else { (&mut settings.v, &scene.v) };
                 list[i % n] = from[i % n];
             }
+            settings.spins = KeptSpin::of_scene(&scene);
+            settings.spins.retain(|spin| !self.origin.given[n..][spin.places()].contains(&true));
+            settings.spins.iter().for_each(|spin| spin.put(&settings.q, &mut settings.v));
         }
         for (sought, value) in self.sought.iter().zip(values) {
             match sought {
-                Sought::Of(Unknown::Start(k)) => {
-                    let (list, held) = match k.checked_sub(n) {
-                        None => (&mut settings.q, &mut settings.held_q),
-                        Some(_) => (&mut settings.v, &mut settings.held_v),
-                    };
-                    list[k % n] = *value;
-                    held.get_mut(k % n).into_iter().for_each(|held| *held = true);
-                }
+                Sought::Of(Unknown::Start(k)) => settings.start_at(*k, *value),
                 Sought::Until => settings.until = *value,
                 Sought::Of(Unknown::Parameter(_)) => (),
             }

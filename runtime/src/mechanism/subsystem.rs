@@ -281,7 +281,7 @@ impl System for OfPart {
     fn scene(&self, scene: usize) -> Scene {
         let scene = self.whole.scene(scene);
         let own = |all: &[f64]| self.coordinates.iter().filter_map(|i| all.get(*i).copied()).collect();
-        Scene { q: own(&scene.q), v: own(&scene.v), held_q: Vec::new(), held_v: Vec::new(), ..scene }
+        Scene { q: own(&scene.q), v: own(&scene.v), held_q: Vec::new(), held_v: Vec::new(), spins: Vec::new(), ..scene }
     }
 
     fn force_errors(&self, at: At<'_>, errors: &mut [f64]) {

@@ -289,8 +289,8 @@ impl Response {
             }
         };
         let [q, v] = response.start.clone();
-        let (held_q, held_v) = (Vec::new(), Vec::new());
-        let settings = Settings { q, v, held_q, held_v, tolerance: 0.1 * full.tolerance, ..settings.clone() };
+        let (held_q, held_v, spins) = (Vec::new(), Vec::new(), Vec::new());
+        let settings = Settings { q, v, held_q, held_v, spins, tolerance: 0.1 * full.tolerance, ..settings.clone() };
         let mut system = Explicit::new(reduced.description().coordinates.to_vec(), law);
         let run = simulate(&mut system, &settings).ok()?;
         let all = Names::of(full.system.description()).columns();

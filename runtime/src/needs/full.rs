@@ -324,9 +324,7 @@ impl Full {
 pub(super) fn started(system: &dyn System, settings: &Settings, first: &[f64]) -> Settings {
     let mut settings = settings.clone();
     if !system.description().rows.is_empty() && first.len() == 2 * system.len() {
-        let (q, v) = first.split_at(system.len());
-        (settings.q, settings.v) = (q.to_vec(), v.to_vec());
-        (settings.held_q, settings.held_v, settings.start_conditions) = (Vec::new(), Vec::new(), 0..0);
+        settings.begin_in(first);
     }
     settings
 }

@@ -112,6 +112,7 @@ pub(super) fn predicted(
         v: both(&full.settings.v, &settings.v),
         held_q: Vec::new(),
         held_v: Vec::new(),
+        spins: Vec::new(),
         every: Some((settings.until - settings.from) / full.times as f64),
         step: Some(SHORTER * (settings.until - settings.from) / full.motion.steps as f64),
         method: Method::Dop853,

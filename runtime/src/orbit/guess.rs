@@ -30,9 +30,7 @@ pub(super) struct Return {
 
 /// Begins a run in a state [q; q'], all of which is held.
 pub(super) fn begin_at(settings: &mut Settings, y: Vec<f64>) {
-    let (q, v) = y.split_at(y.len() / 2);
-    (settings.q, settings.v) = (q.to_vec(), v.to_vec());
-    (settings.held_q, settings.held_v, settings.start_conditions) = (Vec::new(), Vec::new(), 0..0);
+    settings.begin_in(&y);
 }
 
 /// Near returns of a run to its first state and to its last one, the nearest first.

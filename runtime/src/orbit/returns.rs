@@ -126,6 +126,7 @@ fn begun(settings: &Settings, orbit: &Orbit, periods: f64) -> Settings {
         v: values(v),
         held_q: Vec::new(),
         held_v: Vec::new(),
+        spins: Vec::new(),
         start_conditions: 0..0,
         phase: orbit.run.phases.first().map_or(settings.phase, |(_, phase)| *phase),
         until: settings.from + periods * orbit.period.value,

@@ -2,6 +2,7 @@
 
 use super::by_hand::Stepping;
 use super::{Settings, simulate};
+use crate::constrain::KeptSpin;
 use crate::error::Error;
 use crate::events::CLOSURE_WIDTH;
 use crate::mechanism::{Description, Enforcement, Method, Scene, Signal, Stabilisation, System};
@@ -81,6 +82,7 @@ impl<S: System> Simulation<S> {
 
     /// Start, end, tolerance and spacing of a scene.
     pub fn from(mut self, scene: &Scene) -> Self {
+        let spins = KeptSpin::of_scene(scene);
         let Scene { q, v, held_q, held_v, start_conditions, guessed, phase, until, tolerance, every, .. } =
             scene.clone();
         self.settings = Settings {
@@ -88,6 +90,7 @@ impl<S: System> Simulation<S> {
             v,
             held_q,
             held_v,
+            spins,
             start_conditions,
             guessed,
             phase,
@@ -105,7 +108,7 @@ impl<S: System> Simulation<S> {
     pub fn start(mut self, q: &[f64], v: &[f64]) -> Self {
         self.settings.q = q.to_vec();
         self.settings.v = v.to_vec();
-        (self.settings.held_q, self.settings.held_v) = (Vec::new(), Vec::new());
+        (self.settings.held_q, self.settings.held_v, self.settings.spins) = (Vec::new(), Vec::new(), Vec::new());
         self.origin = Origin { tolerance: self.origin.tolerance, ..Origin::default() };
         self
     }
@@ -117,18 +120,13 @@ impl<S: System> Simulation<S> {
             memory.get_mut(place).into_iter().for_each(|held| *held = value);
             return self;
         }
-        let Settings { q, v, held_q, held_v, .. } = &mut self.settings;
-        let (description, n) = (self.system.description(), self.system.len());
-        let place = description.place_of(name);
-        let (list, held, index) = match place {
-            Some(place) if place >= n => (v, held_v, Some(place - n)),
-            _ => (q, held_q, place),
-        };
-        match index.and_then(|index| Some((list.get_mut(index)?, held.get_mut(index)))) {
-            Some((slot, held)) => {
-                *slot = value;
-                held.into_iter().for_each(|held| *held = true);
-                place.and_then(|place| self.origin.given.get_mut(place)).into_iter().for_each(|given| *given = true);
+        let description = self.system.description();
+        // Lists of another length are refused where the run begins.
+        let whole = [&self.settings.q, &self.settings.v].map(Vec::len) == [self.system.len(); 2];
+        match description.place_of(name).filter(|_| whole) {
+            Some(place) => {
+                self.settings.start_at(place, value);
+                self.origin.given.get_mut(place).into_iter().for_each(|given| *given = true);
                 self
             }
             None => {

@@ -451,8 +451,7 @@ fn project(system: &mut dyn System, settings: &mut Settings, start: &[f64], move
         let description = system.description();
         let moved = [sizes_alike(description, &moves[..n]), sizes_alike(description, &moves[n..])].concat();
         y.iter_mut().zip(moved).filter(|(y, moved)| y.abs() <= RESIDUE * moved).for_each(|(y, _)| *y = 0.0);
-        (settings.q, settings.v) = (y[..n].to_vec(), y[n..].to_vec());
-        (settings.held_q, settings.held_v, settings.start_conditions) = (Vec::new(), Vec::new(), 0..0);
+        settings.begin_in(&y);
     }
 }
 

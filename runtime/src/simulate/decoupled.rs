@@ -34,9 +34,9 @@ pub(super) fn parts(system: &dyn System, settings: &Settings) -> Result<Vec<Part
         let part = OfPart::new(system, index, &settings.q)?;
         let own = |all: &[f64]| part.coordinates().iter().map(|i| all[*i]).collect();
         let (q, v) = (own(&settings.q), own(&settings.v));
-        let (held_q, held_v) = (Vec::new(), Vec::new());
+        let (held_q, held_v, spins) = (Vec::new(), Vec::new(), Vec::new());
         // What the others do at its end is read from their dense output.
-        let settings = Settings { q, v, held_q, held_v, digits: false, dense: true, ..settings.clone() };
+        let settings = Settings { q, v, held_q, held_v, spins, digits: false, dense: true, ..settings.clone() };
         Some((part, settings))
     };
     Ok((0..description.parts.len()).filter_map(part).collect())

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::Interruption;
 use crate::cause::Cause;
+use crate::constrain::KeptSpin;
 use crate::driver::Followed;
 use crate::error::{Error, Inseparable, Nonlinear};
 use crate::integrate::stability;
@@ -34,6 +35,8 @@ pub struct Settings {
     pub held_v: Vec<bool>,
     /// Which of the equations of [`System::start_conditions`](crate::mechanism::System::start_conditions) the start meets beside constraints.
     pub start_conditions: std::ops::Range<usize>,
+    /// Angular velocities that stay what they are wherever the start finds the attitude.
+    pub(crate) spins: Vec<KeptSpin>,
     /// Whether the values that are not held were chosen; else the run says so where they decide how a mechanism is put together.
     pub guessed: bool,
     /// The phase in which the run begins, by its place.
@@ -132,6 +135,7 @@ impl Settings {
             v: scene.v.clone(),
             held_q: scene.held_q.clone(),
             held_v: scene.held_v.clone(),
+            spins: KeptSpin::of_scene(scene),
             start_conditions: scene.start_conditions.clone(),
             guessed: scene.guessed,
             phase: scene.phase,
@@ -188,6 +192,31 @@ impl Settings {
     pub(super) fn spacing(&self) -> f64 {
         let span = self.until - self.from;
         self.every.unwrap_or(if span > 0.0 { span / 500.0 } else { 1.0 })
+    }
+
+    /// Starts at this value of a component of [q; q'], which constraints then leave alone.  An angular velocity that was named stays what it is at another
+    /// attitude, until a rate of its rotation is given.
+    pub(crate) fn start_at(&mut self, place: usize, value: f64) {
+        let n = self.q.len();
+        let (list, held, i) = match place.checked_sub(n) {
+            None => (&mut self.q, &mut self.held_q, place),
+            Some(i) => (&mut self.v, &mut self.held_v, i),
+        };
+        list[i] = value;
+        held.get_mut(i).into_iter().for_each(|held| *held = true);
+        if place < n {
+            let turned = self.spins.iter().filter(|spin| spin.places().contains(&i));
+            turned.for_each(|spin| spin.put(&self.q, &mut self.v));
+        } else {
+            self.spins.retain(|spin| !spin.places().contains(&i));
+        }
+    }
+
+    /// Begins in a state [q; q'], all of which is held.
+    pub(crate) fn begin_in(&mut self, y: &[f64]) {
+        let (q, v) = y.split_at(y.len() / 2);
+        (self.q, self.v) = (q.to_vec(), v.to_vec());
+        (self.held_q, self.held_v, self.spins, self.start_conditions) = (Vec::new(), Vec::new(), Vec::new(), 0..0);
     }
 
     /// Which of [q; q'] keep their values where the start is to meet constraints.

@@ -48,6 +48,7 @@ pub(crate) fn leg(system: &mut dyn System, settings: &Settings, parameters: &[us
         v: guess[n..].to_vec(),
         held_q: Vec::new(),
         held_v: Vec::new(),
+        spins: Vec::new(),
         start_conditions: 0..0,
         junctions: true,
         apart: false,

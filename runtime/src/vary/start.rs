@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::momenta::{momentum_slopes, rate_slopes};
 use super::{NoSlopes, Unknown};
+use crate::constrain::KeptSpin;
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{constraint_matrix, mass_matrix};
 use crate::mechanism::{Along, At, Function, System, rows_in_force};
@@ -19,6 +20,8 @@ pub(super) struct Start<'a> {
     pub guess: &'a [f64],
     /// Which of them keep their values.
     pub held: &'a [bool],
+    /// Angular velocities among what is held.
+    pub spins: &'a [KeptSpin],
     /// [q; q'] as found.
     pub y: &'a [f64],
     /// The scene whose start it is, by parameters; `None`: it depends on none.
@@ -41,6 +44,7 @@ struct Change<'a> {
 pub(super) fn column(system: &dyn System, start: &Start<'_>, unknown: Unknown) -> Result<Vec<f64>, NoSlopes> {
     let n = system.len();
     let mut asked = vec![0.0; 2 * n];
+    let mut of_scene = None;
     let parameter = match unknown {
         Unknown::Start(k) => {
             asked[k] = 1.0;
@@ -51,14 +55,25 @@ pub(super) fn column(system: &dyn System, start: &Start<'_>, unknown: Unknown) -
                 let mut numbers = vec![0.0; 3 + 2 * n];
                 let along = Along { parameter: Some(k), ..Along::default() };
                 system.slopes(Function::Scene(scene), At::default(), &along, &mut numbers);
-                let of_scene = numbers[3..].iter().zip(start.given);
-                asked.iter_mut().zip(of_scene).for_each(|(x, (slope, given))| *x = if *given { 0.0 } else { *slope });
+                let slopes = numbers.split_off(3);
+                let given = slopes.iter().zip(start.given);
+                asked.iter_mut().zip(given).for_each(|(x, (slope, given))| *x = if *given { 0.0 } else { *slope });
+                of_scene = Some((system.scene(scene), slopes));
             }
             Some(k)
         }
     };
     let rows: Vec<usize> = rows_in_force(system).collect();
+    // The rates of angular velocities go with the attitude, but for those that vary by themselves.
+    let varies = |spin: &KeptSpin| matches!(unknown, Unknown::Start(k) if k >= n && spin.places().contains(&(k - n)));
+    let spin = |places: &[f64], rates: &mut [f64]| {
+        let spins = start.spins.iter().filter(|spin| !varies(spin));
+        let of_scene = of_scene.as_ref().map(|(scene, slopes)| (scene, slopes.as_slice()));
+        spins.for_each(|spin| spin.slopes((start.y, places), of_scene, rates));
+    };
     if rows.is_empty() {
+        let (places, rates) = asked.split_at_mut(n);
+        spin(places, rates);
         return Ok(asked);
     }
     // What varies is held, as a value that is given is.
@@ -70,7 +85,8 @@ pub(super) fn column(system: &dyn System, start: &Start<'_>, unknown: Unknown) -
     let lengths = Lengths::new(system, start, &held);
     let mut column = places(system, &Start { y: &lengths.nearest, ..*start }, &rows, &change)?;
     lengths.keep(start, &asked, &mut column);
-    speeds(system, start, &rows, &change, &mut column)?;
+    spin(&column[..n], &mut asked[n..]);
+    speeds(system, start, &rows, &Change { asked: &asked, held: &held, parameter }, &mut column)?;
     Ok(column)
 }
 

@@ -190,3 +190,83 @@ fn components_of_quaternions_are_zero_and_have_names() {
     let refused = program(&["check", &file("conserved: {q: quaternion(B)}")]).unwrap_err();
     assert!(refused.contains("its rate is w component"), "{refused}");
 }
+
+/// A body on an arm of one metre whose attitude follows from a guess, with this angular velocity at the start.
+fn spin_on_arm(start: &str, rest: &str) -> String {
+    format!(
+        "name: SpinOnArm\nparameters: {{m: 2 kg, l: 1 m, W: 3 rad/s, n: 0 1}}\ncoordinates: {{x: m, y: m, z: m, q: rotation}}\n\
+         frames: {{F: {{rotate: q}}}}\n\
+         bodies: {{c: {{mass: m, inertia: [0.1, 0.2, 0.25], frame: F, position: '[x, y, z]'}}}}\n\
+         constraints: {{p: position(c) - l*F.x}}\n\
+         outputs: {{own: 'components(angular_velocity(c), c)', w: angular_velocity(c)}}\n\
+         scene: {{start: {{{start}}}, guess: {{x: 0.2, y: 1, q: {{vector: [0, n, 1.5]}}}}, {rest}}}\n"
+    )
+}
+
+/// The angular velocity of a start is that at the attitude that is found, and goes on so: without forces ω about a principal axis stays.
+#[test]
+fn a_start_keeps_its_angular_velocity_where_the_attitude_is_found() {
+    let components = |run: &dalembert::Run, name: &str| ["x", "y", "z"].map(|k| run.last()[&format!("{name}.{k}")]);
+    let all = |found: [f64; 3], expected: [f64; 3]| {
+        let near = found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 1e-12);
+        assert!(near, "{found:?}, not {expected:?}");
+    };
+    let own = case(&spin_on_arm("x: 0, q': [1, 2, 3]", "until: 0")).run();
+    all(components(&own, "own"), [1.0, 2.0, 3.0]);
+    let fixed = case(&spin_on_arm("x: 0, q': {ground: [1, 2, 3]}", "until: 0")).run();
+    all(components(&fixed, "w"), [1.0, 2.0, 3.0]);
+    let going = case(&spin_on_arm("q': [0, 0, W]", "until: 3, tolerance: 1e-10")).run();
+    assert!((going.last()["own.z"] - 3.0).abs() < 1e-8, "{}", going.last()["own.z"]);
+    // Nor does its quaternion grow.
+    let length: f64 = ["w", "x", "y", "z"].map(|k| going.last()[&format!("q.{k}")].powi(2)).iter().sum();
+    close(length, 1.0, 1e-9);
+}
+
+/// A quaternion of another length, or of another direction, which the command line gives has the angular velocity of the file.
+#[test]
+fn a_start_that_is_given_another_attitude_keeps_its_angular_velocity() {
+    let free = |rate: &str| {
+        format!(
+            "name: Free\ncoordinates: {{q: rotation}}\nframes: {{A: {{rotate: q}}}}\n\
+             bodies: {{b: {{mass: 1, inertia: [0.3, 0.5, 0.6], frame: A, position: [0, 0, 0]}}}}\n\
+             outputs: {{own: 'components(angular_velocity(b), b)', w: angular_velocity(b)}}\n\
+             scene: {{start: {{q': {rate}}}, until: 0}}\n"
+        )
+    };
+    for (rate, name) in [("[1, 2, 3]", "own"), ("{ground: [1, 2, 3]}", "w")] {
+        for start in [["2", "0", "0"], ["0", "1", "0"], ["0.5", "0", "-3"]] {
+            let path = folder("given_attitude").join("model.yaml");
+            std::fs::write(&path, free(rate)).expect("a file");
+            let [w, x, z] = start;
+            let starts = [format!("q.w={w}"), format!("q.x={x}"), format!("q.z={z}")];
+            let mut arguments = vec!["simulate", path.to_str().expect("a path"), "--json"];
+            starts.iter().for_each(|start| arguments.extend(["--start", start.as_str()]));
+            let said = program(&arguments).unwrap();
+            let json: serde_json::Value = serde_json::from_str(&said).expect("JSON");
+            for (k, expected) in [1.0, 2.0, 3.0].into_iter().enumerate() {
+                let found = json["outputs"][name][k].as_f64().expect("a number");
+                assert!((found - expected).abs() < 1e-14, "{rate} {start:?} {name}.{k}: {found}");
+            }
+        }
+    }
+}
+
+/// Slopes of such a start are those of runs beside it.
+#[test]
+fn an_angular_velocity_at_an_attitude_that_is_found_has_the_slopes_of_its_runs() {
+    for start in ["x: 0.1, q': [W, 2, W]", "x: 0.1, q': {ground: [1, W, 3]}"] {
+        let text = spin_on_arm(start, "until: 0");
+        let slopes = super::simulation(&text).slopes(&["W", "n", "l"]).unwrap();
+        for (unknown, from) in [("W", "W: 3 rad/s"), ("n", "n: 0 1"), ("l", "l: 1 m")] {
+            let unit = from.rsplit(' ').next().unwrap_or_default();
+            let value: f64 = from.split(' ').nth(1).and_then(|text| text.parse().ok()).expect("a number");
+            let at = |value: f64| case(&text.replace(from, &format!("{unknown}: {value:?} {unit}"))).run();
+            let (more, less) = (at(value + 1e-5), at(value - 1e-5));
+            for name in ["q.w'", "q.x'", "q.y'", "q.z'", "x'", "y'", "own.x", "w.y"] {
+                let found = slopes.get(name, unknown).unwrap().value;
+                let expected = (more.last()[name] - less.last()[name]) / 2e-5;
+                assert!((found - expected).abs() < 1e-7, "{start}: {name} by {unknown}: {found}, {expected}");
+            }
+        }
+    }
+}

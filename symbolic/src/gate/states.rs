@@ -18,7 +18,7 @@ use super::{Gate, listed};
 use crate::diagnose::catalogue::verdicts;
 use crate::diagnose::{Place, Problem};
 use crate::expr::{Id, Symbol, Tape};
-use crate::model::{Model, Scene};
+use crate::model::{Model, Scene, Spin};
 use crate::number::DoubleDouble;
 
 /// How many drawn states each test wants.
@@ -292,11 +292,40 @@ fn start_of(motion: &Motion, scene: &Scene, parameters: &[f64], start: &[f64]) -
     (state.q, state.v, state.phase) = (doubles(q), doubles(v), scene.phase);
     motion.signals(&mut state);
     let mut closed = state.clone();
+    let close = |state: &mut State| motion.constraints.close_holding(state, (&scene.held_q, &scene.held_v));
     // Equations that the start meets besides are not looked at: the run is coarse.
-    if motion.constraints.close_holding(&mut closed, (&scene.held_q, &scene.held_v)) {
-        state = closed;
+    if close(&mut closed) {
+        spin(&scene.spins, &state, &mut closed);
+        if scene.spins.is_empty() || close(&mut closed) {
+            state = closed;
+        }
     }
     Passed { t: 0.0, q: floats(&state.q), v: floats(&state.v), phase: state.phase }
+}
+
+/// Gives rotations at another attitude the rates of the angular velocity that they have at the first one.
+fn spin(spins: &[Spin], from: &State, to: &mut State) {
+    for Spin { first, own } in spins {
+        let of = |list: &[DoubleDouble]| [0, 1, 2, 3].map(|k| list[first + k]);
+        let (q, rates, turned) = (of(&from.q), of(&from.v), of(&to.q));
+        let square = q.iter().fold(DoubleDouble::ZERO, |sum, x| sum + *x * *x);
+        let inverse = [q[0] / square, -q[1] / square, -q[2] / square, -q[3] / square];
+        let rates = match own {
+            true => times(turned, times(inverse, rates)),
+            false => times(times(rates, inverse), turned),
+        };
+        to.v[*first..first + 4].copy_from_slice(&rates);
+    }
+}
+
+/// The product of two quaternions.
+fn times(a: [DoubleDouble; 4], b: [DoubleDouble; 4]) -> [DoubleDouble; 4] {
+    [
+        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+        a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+        a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
+    ]
 }
 
 /// Random states that have a motion.

@@ -32,7 +32,7 @@ pub use resolve::{load, load_from, load_in, read_through, read_through_from, rea
 pub use resolved::{
     Balance, BalanceSystem, Body, Change, Check, Condition, Conserved, Constraint, Coordinate, Derived, Family,
     GeneralizedForce, HIDDEN, Input, Load, Model, Need, Output, Parameter, Part, Phase, Push, Reaction,
-    RotationCoordinate, Sample, Scene, Shape, SharedEnd, Solid, StateOfFirstOrder, Tried, Vector, Work,
+    RotationCoordinate, Sample, Scene, Shape, SharedEnd, Solid, Spin, StateOfFirstOrder, Tried, Vector, Work,
 };
 pub use rotation::{Orientation, Quaternion, Rotation, Stage, product};
 pub use section::inertia::{Impossible, impossible_moments, principal_moments};

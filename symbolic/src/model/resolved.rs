@@ -620,6 +620,8 @@ pub struct Scene {
     pub held_q: Vec<bool>,
     /// True for every speed that `start` names.
     pub held_v: Vec<bool>,
+    /// Angular velocities that `start` names, whose rates in `v` are those at the attitude in `q`.
+    pub spins: Vec<Spin>,
     /// True where the scene gives a `guess`.
     pub guessed: bool,
     /// Equations that the start meets together with the constraints: (quantity of t, q, q'; its value).
@@ -638,6 +640,15 @@ pub struct Scene {
     pub need: Option<Need>,
     /// Held values at the start.
     pub memory: Vec<Id>,
+}
+
+/// The angular velocity of a rotation, as a start names it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Spin {
+    /// The first of the rotation's coordinates.
+    pub first: usize,
+    /// Along its own axes, or else along those from which it is turned.
+    pub own: bool,
 }
 
 /// What a scene is run for.

@@ -6,7 +6,7 @@ use super::body::{Bodies, Use};
 use super::function::{argument, of_constants};
 use crate::expr::Id;
 use crate::lower::Program;
-use crate::model::Scene;
+use crate::model::{Scene, Spin};
 
 /// `scene_parameters`, `scene` and `equilibrium_guess`.
 pub(super) fn scenes(program: &Program, bodies: &Bodies<'_>) -> String {
@@ -110,6 +110,7 @@ fn starting(scenes: &[&Scene], constrained: bool) -> String {
     };
     of("held_q", "::std::vec::Vec::new()", &|scene| held(&scene.held_q))
         + &of("held_v", "::std::vec::Vec::new()", &|scene| held(&scene.held_v))
+        + &of("spins", "::std::vec::Vec::new()", &|scene| spins(&scene.spins))
         + &of("guessed", "false", &|scene| scene.guessed.to_string())
         + &of("phase", "0", &|scene| scene.phase.to_string())
         + &of("start_conditions", "0..0", &|scene| {
@@ -122,6 +123,15 @@ fn starting(scenes: &[&Scene], constrained: bool) -> String {
                 format!("{first}..{}", first + scene.start_conditions.len())
             }
         })
+}
+
+/// Angular velocities that a start names.
+fn spins(spins: &[Spin]) -> String {
+    let one = |Spin { first, own }: &Spin| format!("::dalembert::mechanism::Spin {{ first: {first}, own: {own} }}");
+    match spins {
+        [] => "::std::vec::Vec::new()".to_owned(),
+        _ => format!("::std::vec![{}]", spins.iter().map(one).collect::<Vec<_>>().join(", ")),
+    }
 }
 
 /// The coefficients of restitution of any numbers as parameters.

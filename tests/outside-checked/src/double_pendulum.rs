@@ -582,6 +582,7 @@ impl ::dalembert::mechanism::Mechanism<2, 0> for DoublePendulum {
             v: x[5..].to_vec(),
             held_q: ::std::vec::Vec::new(),
             held_v: ::std::vec::Vec::new(),
+            spins: ::std::vec::Vec::new(),
             guessed: false,
             phase: 0,
             start_conditions: 0..0,

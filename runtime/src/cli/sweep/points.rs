@@ -7,7 +7,7 @@ use dalembert_symbolic::print::fnv1a;
 use crate::Settings;
 use crate::cli::Problem;
 use crate::cli::load::{Loaded, pairs, refuse_model_again, standard_input};
-use crate::cli::set_up::{Place, Reader, parameter_index, place_in_state, start_at, unknown, with_unit_of};
+use crate::cli::set_up::{Place, Reader, parameter_index, place_in_state, unknown, with_unit_of};
 use crate::mechanism::System;
 
 /// More runs than this are refused: their table would not fit into memory.
@@ -230,7 +230,7 @@ impl Varied {
     /// Sets a start.
     pub fn start(&self, settings: &mut Settings, value: f64) {
         if let Target::Start(place) = self.target {
-            start_at(settings, place, value);
+            settings.start_at(place, value);
         }
     }
 }

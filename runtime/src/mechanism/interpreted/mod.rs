@@ -21,7 +21,7 @@ use super::phased::{Phased, RowHistory, indicate, shared_by_systems, sprung};
 use super::system::{Replaced, put_diagonal};
 use super::{
     Along, At, Balances, Contacts, Description, Energy, Enforcement, Gimbal, Motion, MotionNumbers, Noise, Sampling,
-    Scene, Series, Signal, Singular, SingularMass, System, sliding,
+    Scene, Series, Signal, Singular, SingularMass, Spin, System, sliding,
 };
 use crate::cause::NoSeries;
 
@@ -483,6 +483,7 @@ impl System for Interpreted {
             every: scene.every.map(value),
             held_q: if searched { scene.held_q.clone() } else { Vec::new() },
             held_v: if searched { scene.held_v.clone() } else { Vec::new() },
+            spins: scene.spins.iter().map(|spin| Spin { first: spin.first, own: spin.own }).collect(),
             guessed: scene.guessed,
             phase: scene.phase,
             start_conditions: first..first + scene.start_conditions.len(),

@@ -10,7 +10,7 @@ use crate::file::{Node, Quantity, Spot, Text, describe};
 use crate::model::expression::families::Expanded;
 use crate::model::expression::rules::Rules;
 use crate::model::expression::scope::{Member, Section};
-use crate::model::resolved::{Balance, Coordinate, Part, RotationCoordinate, Scene};
+use crate::model::resolved::{Balance, Coordinate, Part, RotationCoordinate, Scene, Spin};
 use crate::model::resolver::Resolver;
 use crate::model::rotation::{Orientation, Quaternion, Rotation, Turn};
 
@@ -170,22 +170,28 @@ impl Resolver<'_> {
             self.builder.problems.push(names::member_twice(spot.place.of_key(), name));
             return;
         }
-        let q = Quaternion([0, 1, 2, 3].map(|k| scene.q[first + k]));
-        let rate = match (spot.get("ground"), spot.get("angles")) {
-            (Some(numbers), None) => {
-                self.numbers::<3>(&numbers).map(|w| Quaternion::of_components(w).times(&mut self.builder.graph, q))
-            }
-            (None, Some(numbers)) => self
-                .rates_of_angles(&numbers, start)
-                .map(|w| q.times(&mut self.builder.graph, Quaternion::of_components(w))),
-            _ => self.numbers::<3>(spot).map(|w| q.times(&mut self.builder.graph, Quaternion::of_components(w))),
+        let (components, own) = match (spot.get("ground"), spot.get("angles")) {
+            (Some(numbers), None) => (self.numbers::<3>(&numbers), false),
+            (None, Some(numbers)) => (self.rates_of_angles(&numbers, start), true),
+            _ => (self.numbers::<3>(spot), true),
         };
-        let Some(rate) = rate else { return };
-        let half = self.half();
-        for k in 0..4 {
-            scene.v[first + k] = self.builder.graph.mul(half, rate.0[k]);
-        }
+        let Some(components) = components else { return };
+        scene.v[first..first + 4].copy_from_slice(&Quaternion::of_components(components).0);
         scene.held_v[first..first + 4].fill(true);
+        scene.spins.push(Spin { first, own });
+    }
+
+    /// Makes the angular velocities of a scene rates of its rotations, now that their attitudes are known.
+    pub fn rates_of_spins(&mut self, scene: &mut Scene) {
+        let half = self.half();
+        let graph = &mut self.builder.graph;
+        for Spin { first, own } in scene.spins.clone() {
+            let [q, components] = [&scene.q, &scene.v].map(|list| Quaternion([0, 1, 2, 3].map(|k| list[first + k])));
+            let rate = if own { q.times(graph, components) } else { components.times(graph, q) };
+            for k in 0..4 {
+                scene.v[first + k] = graph.mul(half, rate.0[k]);
+            }
+        }
     }
 
     /// The angular velocity along the own axes, of the rates of the angles of a sequence.

@@ -106,6 +106,7 @@ impl Resolver<'_> {
             held_q: self.model.coordinates.iter().map(Coordinate::is_hidden).collect(),
             // Of a state nothing is searched: it starts at what the file says, or at 0.
             held_v: self.model.coordinates.iter().map(Coordinate::is_hidden).collect(),
+            spins: Vec::new(),
             guessed: false,
             start_conditions: Vec::new(),
             phase: 0,
@@ -134,6 +135,7 @@ impl Resolver<'_> {
             }
             _ => {}
         }
+        self.rates_of_spins(&mut scene);
         if let Some(set) = get("set") {
             self.set(&set, &mut scene);
         }
