@@ -48,6 +48,10 @@ pub trait Mechanism<const N: usize, const C: usize>: Equations<N, C> {
     }
     /// What [`Equations::start_conditions`] gives where the starts meet it.
     fn start_condition_values(&self) -> Vec<f64>;
+    /// Pairs (place of one of them, rate that it contains).
+    fn start_condition_speeds() -> &'static [(u32, u32)] {
+        &[]
+    }
 }
 
 /// A rotation whose angular velocity a start names: it stays what it is wherever the attitude is found.

@@ -5,6 +5,7 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 
 use super::spin::KeptSpin;
+use super::start_conditions::{By, Conditions};
 use crate::cause::Cause;
 use crate::matrix::{rank, solve_least, svd};
 use crate::mechanism::dense::{
@@ -32,9 +33,9 @@ pub(crate) struct Start<'a> {
 /// all held.
 pub(super) const MISSED: f64 = 1e-9;
 /// Speeds beside the others that are their rounding.
-const ROUNDED: f64 = 1e-14;
+pub(super) const ROUNDED: f64 = 1e-14;
 /// A closed constraint, beside the sum of its terms.
-const CLOSED: f64 = 1e-14;
+pub(super) const CLOSED: f64 = 1e-14;
 /// At a stationary point of |c|² its gradient is below this part of what it might be.
 const STATIONARY: f64 = 1e-6;
 /// Levenberg and Marquardt's iterations at most.
@@ -48,7 +49,7 @@ const MOST_NEWTON: usize = 100;
 const SINGULAR: f64 = 1e-6;
 
 /// The state nearest to a start, in SI units of the coordinates, that keeps what is held and meets the constraints in
-/// force; its speeds are those of least kinetic energy.
+/// force; its speeds are those of least kinetic energy.  Both meet what else the start is to meet, places first.
 ///
 /// # Errors
 /// Held values that miss a constraint, constraints that cannot be met, rows that depend on each other there although they
@@ -57,16 +58,25 @@ pub(crate) fn consistent<S: System + ?Sized>(system: &S, start: &Start<'_>) -> R
     let n = system.len();
     let closing = Closing::new(system, start);
     let mut y = start.y.to_vec();
-    if !closing.rows.is_empty() {
-        closing.close(&mut y)?;
+    let conditions = !closing.conditions.is_empty();
+    if !closing.rows.is_empty() || conditions {
+        let met = closing.close(&mut y);
+        met.or_else(|why| {
+            y.copy_from_slice(start.y);
+            if conditions { closing.least_steps(&mut y).map_err(|_| why) } else { Err(why) }
+        })?;
         closing.nearest(&mut y);
         closing.nearest_to_rounding(&mut y);
         closing.judge(&y)?;
         closing.spin(&mut y);
         closing.speeds(&mut y)?;
     }
-    if !start.start_conditions.is_empty() {
-        closing.start_conditions(&mut y, start.start_conditions.clone())?;
+    if conditions {
+        let place = y.clone();
+        closing.meet_by_speeds(&mut y).or_else(|_| {
+            y.copy_from_slice(&place);
+            closing.least_steps(&mut y)
+        })?;
     }
     closing.keep_lengths(&mut y);
     debug_assert_eq!(y.len(), 2 * n, "a state");
@@ -88,7 +98,9 @@ pub(super) struct Closing<'a, S: System + ?Sized> {
     pub n: usize,
     guess: &'a [f64],
     pub held: &'a [bool],
-    spins: &'a [KeptSpin],
+    pub spins: &'a [KeptSpin],
+    /// What else is to be met.
+    pub conditions: Conditions,
     /// Active rows.
     pub rows: Vec<usize>,
     /// Those of them without speeds.
@@ -103,7 +115,19 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
         let rows: Vec<usize> = rows_in_force(system).collect();
         let holonomic = rows.iter().copied().filter(|row| system.description().rows[*row].holonomic).collect();
         let free = (0..n).filter(|i| !start.held[*i]).collect();
-        Closing { system, t: start.t, n, guess: start.y, held: start.held, spins: start.spins, rows, holonomic, free }
+        let conditions = Conditions::new(system, start.start_conditions.clone(), start.held);
+        Closing {
+            conditions,
+            system,
+            t: start.t,
+            n,
+            guess: start.y,
+            held: start.held,
+            spins: start.spins,
+            rows,
+            holonomic,
+            free,
+        }
     }
 
     pub fn triples(&self, y: &[f64]) -> Vec<[f64; 3]> {
@@ -147,12 +171,28 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
         (0..rows.len()).map(of).collect()
     }
 
-    /// c of the holonomic rows and what counts as closed for each.
+    /// How many equations of places there are: holonomic rows, then those that are to be met beside them.
+    fn place_count(&self) -> usize {
+        self.holonomic.len() + self.conditions.of_places.len()
+    }
+
+    /// What is left of the equations of places and what counts as closed for each.
     fn residual(&self, y: &[f64]) -> (DVector<f64>, Vec<f64>) {
         let triples = self.triples(y);
-        let c = self.holonomic.iter().map(|row| triples[*row][0]);
-        let closed = self.holonomic.iter().map(|row| CLOSED * triples[*row][2].max(f64::MIN_POSITIVE)).collect();
-        (DVector::from_iterator(self.holonomic.len(), c), closed)
+        let of_places = &self.conditions.of_places;
+        let (left, own) = (self.left(y, of_places), self.terms_of(y, of_places));
+        let c = self.holonomic.iter().map(|row| triples[*row][0]).chain(left.iter().copied());
+        let c = DVector::from_iterator(self.place_count(), c);
+        let terms = self.holonomic.iter().map(|row| triples[*row][2]).chain(own.iter().copied());
+        (c, terms.map(|terms| CLOSED * terms.max(f64::MIN_POSITIVE)).collect())
+    }
+
+    /// Slopes of the equations of places by the coordinates that are not held.
+    fn place_slopes(&self, y: &[f64]) -> DMatrix<f64> {
+        let (rows, others) = (self.holonomic.len(), &self.conditions.of_places);
+        let mut slopes = self.jacobian(y, &self.holonomic).resize_vertically(self.place_count(), 0.0);
+        slopes.rows_mut(rows, others.len()).copy_from(&self.slopes_of(y, others, By::Places));
+        slopes.select_columns(&self.free)
     }
 
     /// Rows of J, all columns.
@@ -179,21 +219,22 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
     /// Levenberg's and Marquardt's iteration to c = 0 (Moré 1978), rows divided by the norms of what is free in them.
     fn close_by_steps(&self, y: &mut [f64], steps: Steps) -> Result<(), Box<Cause>> {
         let mut damping = 1e-3;
-        let mut scales = vec![0.0_f64; self.holonomic.len()];
+        let mut scales = vec![0.0_f64; self.place_count()];
         let mut longest = vec![0.0_f64; self.free.len()];
         let widest = widest(self.system.description());
         for _ in 0..ITERATIONS {
             let (c, closed) = self.residual(y);
             if let Some(k) = c.iter().position(|c| !c.is_finite()) {
-                let constraint = self.name(self.holonomic[k]);
+                let Some(row) = self.holonomic.get(k) else { break };
+                let constraint = self.name(*row);
                 return Err(Cause::NonFinite { what: format!("the constraint `{constraint}` at the start") }.into());
             }
             if c.iter().zip(&closed).all(|(c, closed)| c.abs() <= *closed) {
                 return Ok(());
             }
-            let mut a = self.jacobian(y, &self.holonomic).select_columns(&self.free);
+            let mut a = self.place_slopes(y);
             let mut b = c.clone();
-            for k in 0..self.holonomic.len() {
+            for k in 0..self.place_count() {
                 // What is held moves nothing, in whatever unit it is.
                 scales[k] = scales[k].max(a.row(k).norm());
                 let scale = if scales[k] > 0.0 { 1.0 / scales[k] } else { 0.0 };
@@ -250,12 +291,16 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
     /// Whether what is left is rounding; else what it is.
     fn closed(&self, y: &[f64]) -> Result<(), Box<Cause>> {
         let (c, _) = self.residual(y);
-        let negligible = self.negligible(y, &self.holonomic);
+        let mut negligible = self.negligible(y, &self.holonomic);
+        negligible.extend(self.terms_of(y, &self.conditions.of_places).iter().map(|terms| MISSED * terms));
         let missed = (0..c.len()).filter(|k| c[*k].is_nan() || c[*k].abs() > negligible[*k]);
         let Some(worst) = missed.max_by(|a, b| c[*a].abs().total_cmp(&c[*b].abs())) else { return Ok(()) };
+        if let Some(other) = worst.checked_sub(self.holonomic.len()) {
+            return Err(self.missed_condition(self.conditions.of_places[other], c[worst]));
+        }
         let (constraint, residual) = (self.name(self.holonomic[worst]), c[worst]);
         let full = self.jacobian(y, &self.holonomic);
-        let a = full.select_columns(&self.free);
+        let a = self.place_slopes(y);
         let row = self.holonomic[worst] as u32;
         let pattern = &self.system.description().constraint_pattern;
         if !pattern.iter().any(|(of, i)| *of == row && self.free.contains(&(*i as usize))) {
@@ -269,12 +314,12 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
 
     /// Moves along the constraints to the point nearest to the guess.
     fn nearest(&self, y: &mut [f64]) {
-        if self.free.is_empty() || self.holonomic.is_empty() {
+        if self.free.is_empty() || self.place_count() == 0 {
             return;
         }
         for _ in 0..100 {
             let (c, _) = self.residual(y);
-            let a = self.jacobian(y, &self.holonomic).select_columns(&self.free);
+            let a = self.place_slopes(y);
             let inverse = svd(a.clone(), true, true).map(|svd| svd.pseudo_inverse(1e-10 * a.norm()));
             let Some(Ok(inverse)) = inverse else { return };
             let pull = DVector::from_iterator(self.free.len(), self.free.iter().map(|i| self.guess[*i] - y[*i]));
@@ -306,7 +351,7 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
 
     /// Goes on to the nearest point by Newton's method: distances tell it to the root of rounding only.
     fn nearest_to_rounding(&self, y: &mut [f64]) {
-        if self.free.is_empty() || self.holonomic.is_empty() || self.free.len() > MOST_NEWTON {
+        if self.free.is_empty() || self.place_count() == 0 || self.free.len() > MOST_NEWTON {
             return;
         }
         let mut last = f64::INFINITY;
@@ -330,12 +375,12 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
     /// The step δ with (1 + Σ λ_k ∂²c_k/∂q²) δ + Jᵀ μ = guess − q and J δ = −c, where Jᵀ λ is what of guess − q leads off the constraints; `None`
     /// at the guess itself.
     fn newton_step(&self, y: &[f64]) -> Option<DVector<f64>> {
-        let (f, r) = (self.free.len(), self.holonomic.len());
+        let (f, r, rows) = (self.free.len(), self.place_count(), self.holonomic.len());
         let pull = DVector::from_iterator(f, self.free.iter().map(|i| self.guess[*i] - y[*i]));
         if pull.iter().all(|pull| *pull == 0.0) {
             return None;
         }
-        let a = self.jacobian(y, &self.holonomic).select_columns(&self.free);
+        let a = self.place_slopes(y);
         let lambda = solve_least(&a.transpose(), &DMatrix::from_column_slice(f, 1, pull.as_slice()))?;
         let mut k = DMatrix::zeros(f + r, f + r);
         k.view_mut((0, f), (f, r)).copy_from(&a.transpose());
@@ -348,10 +393,15 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
                 .select_columns(&self.free)
         };
         let still = rates(&speeds);
+        let sizes = self.sizes(y);
         for (row, i) in self.free.iter().enumerate() {
             speeds[*i] = 1.0;
-            let bent = (rates(&speeds) - &still).transpose() * &lambda;
+            let mut bent = (rates(&speeds) - &still).transpose() * lambda.rows(0, rows);
             speeds[*i] = 0.0;
+            if r > rows {
+                let others = self.bent_by(y, *i, sizes[*i], &lambda.as_slice()[rows..]);
+                bent += others.select_rows(&self.free);
+            }
             (0..f).for_each(|column| k[(row, column)] = bent[column]);
             k[(row, row)] += 1.0;
         }
@@ -368,29 +418,40 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
         moved.for_each(|spin| spin.put(q, v));
     }
 
-    /// Speeds that are not held: those of least kinetic energy among all that the constraints allow.
-    fn speeds(&self, y: &mut [f64]) -> Result<(), Box<Cause>> {
+    /// Speeds that are not held: of least kinetic energy among those that meet the constraints and with which equations of these slopes lose what is left
+    /// of them.  Returns the rates of the constraints by what is held.
+    pub fn least_speeds(&self, y: &mut [f64], (slopes, left): (&DMatrix<f64>, &DVector<f64>)) -> DVector<f64> {
         let n = self.n;
-        let held = &self.held[n..];
-        let free: Vec<usize> = (0..n).filter(|i| !held[*i]).collect();
-        let j = self.jacobian(y, &self.rows);
+        let free: Vec<usize> = (0..n).filter(|i| !self.held[n + i]).collect();
+        let others = slopes.select_columns(&free);
+        let wanted = &others * DVector::from_iterator(free.len(), free.iter().map(|i| y[n + i])) - left;
         free.iter().for_each(|i| y[n + i] = 0.0);
         let triples = self.triples(y);
         let rate = DVector::from_iterator(self.rows.len(), self.rows.iter().map(|row| triples[*row][1]));
         let mass = mass_matrix(self.system, At::packed(self.t, y, n));
         let m = mass.select_rows(&free).select_columns(&free);
         let coupled = mass.select_rows(&free) * DVector::from_row_slice(&y[n..]);
-        let a = j.select_columns(&free);
-        // K [v; μ] = [−M v_held; −J v_held − b], rows that depend on each other included.
-        let (f, r) = (free.len(), self.rows.len());
-        let mut k = DMatrix::zeros(f + r, f + r);
+        let j = self.jacobian(y, &self.rows).select_columns(&free);
+        // K [v; μ] = [−M v_held; −J v_held − b; wanted], rows that depend on each other included.
+        let (f, r, all) = (free.len(), self.rows.len(), self.rows.len() + wanted.len());
+        let mut a = j.resize_vertically(all, 0.0);
+        a.rows_mut(r, wanted.len()).copy_from(&others);
+        let mut k = DMatrix::zeros(f + all, f + all);
         k.view_mut((0, 0), (f, f)).copy_from(&m);
-        k.view_mut((0, f), (f, r)).copy_from(&a.transpose());
-        k.view_mut((f, 0), (r, f)).copy_from(&a);
-        let right = DMatrix::from_iterator(f + r, 1, coupled.iter().chain(rate.iter()).map(|x| -x));
-        if let Some(solution) = solve_least(&k, &right) {
+        k.view_mut((0, f), (f, all)).copy_from(&a.transpose());
+        k.view_mut((f, 0), (all, f)).copy_from(&a);
+        let right = coupled.iter().chain(rate.iter()).map(|x| -x).chain(wanted.iter().copied());
+        if let Some(solution) = solve_least(&k, &DMatrix::from_iterator(f + all, 1, right)) {
             free.iter().zip(solution.iter()).for_each(|(i, v)| y[n + i] = *v);
         }
+        rate
+    }
+
+    /// Speeds that are not held: those of least kinetic energy among all that the constraints allow.
+    fn speeds(&self, y: &mut [f64]) -> Result<(), Box<Cause>> {
+        let n = self.n;
+        let rate = self.least_speeds(y, (&DMatrix::zeros(0, n), &DVector::zeros(0)));
+        let (j, mass) = (self.jacobian(y, &self.rows), mass_matrix(self.system, At::packed(self.t, y, n)));
         let triples = self.triples(y);
         let sizes = DVector::from_vec(sizes_alike(self.system.description(), &y[n..]));
         let terms = j.abs() * sizes + rate.abs();
@@ -444,6 +505,9 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
 
     /// Refuses a place where the constraints are less independent than elsewhere: what follows there is not determined.
     fn judge(&self, y: &[f64]) -> Result<(), Box<Cause>> {
+        if self.rows.is_empty() {
+            return Ok(());
+        }
         let rank = self.system.description().phases.get(self.system.phase()).map_or(0, |phase| phase.rank as usize);
         let place = At::packed(self.t, y, self.n);
         let (mut j, triples) = (self.jacobian(y, &self.rows), self.triples(y));

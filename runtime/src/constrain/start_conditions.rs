@@ -1,13 +1,17 @@
 //! What a start is to meet beside constraints.
+//!
+//! Equations without speeds that are free go to the place, with the constraints; the others to the speeds at that place.  Where these lead nowhere
+//! both move together.
 
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::start::{Closing, MISSED};
+use super::start::{CLOSED, Closing, MISSED, ROUNDED};
 use crate::cause::Cause;
 use crate::matrix::svd;
-use crate::mechanism::{At, System};
+use crate::mechanism::dense::mass_matrix;
+use crate::mechanism::{Along, At, Function, System};
 
 /// Gauss's and Newton's iterations at most.
 const ITERATIONS: usize = 500;
@@ -15,17 +19,175 @@ const ITERATIONS: usize = 500;
 const DEPENDENT: f64 = 1e-10;
 /// Differences that steer are taken over this part of a coordinate's size.
 const APART: f64 = 1e-6;
+/// A step that makes what is left no less is halved down to this part of it.
+const SHORTEST: f64 = 1e-6;
+
+/// The equations that a start is to meet beside constraints, by their places in `System::start_conditions`.
+pub(super) struct Conditions {
+    range: Range<usize>,
+    /// Those that no free speed changes.
+    pub of_places: Vec<usize>,
+    /// The others.
+    pub of_speeds: Vec<usize>,
+}
+
+impl Conditions {
+    /// With which of [q; q'] keep their values.
+    pub fn new<S: System + ?Sized>(system: &S, range: Range<usize>, held: &[bool]) -> Self {
+        let speeds = if range.is_empty() { Vec::new() } else { system.start_condition_speeds() };
+        let moves = |k: &usize| speeds.iter().any(|(of, i)| *of as usize == *k && !held[system.len() + *i as usize]);
+        let (of_speeds, of_places) = range.clone().partition(moves);
+        Conditions { range, of_places, of_speeds }
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.range.is_empty()
+    }
+}
+
+/// Slopes by which of a state.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum By {
+    Places,
+    Speeds,
+}
 
 impl<S: System + ?Sized> Closing<'_, S> {
-    /// Moves on to what the start is to meet beside constraints, by least steps (Gauss and Newton; differences only
+    /// What is left of equations of the start at a state.
+    pub fn left(&self, y: &[f64], equations: &[usize]) -> DVector<f64> {
+        if equations.is_empty() {
+            return DVector::zeros(0);
+        }
+        let mut turned = y.to_vec();
+        self.spin(&mut turned);
+        let pairs = self.system.start_conditions(At::packed(self.t, &turned, self.n));
+        DVector::from_iterator(equations.len(), equations.iter().map(|k| pairs[*k].0 - pairs[*k].1))
+    }
+
+    /// Their slopes by all places, which kept angular velocities go with, or by all speeds.
+    pub fn slopes_of(&self, y: &[f64], equations: &[usize], by: By) -> DMatrix<f64> {
+        let n = self.n;
+        let mut slopes = DMatrix::zeros(equations.len(), n);
+        if equations.is_empty() {
+            return slopes;
+        }
+        let mut turned = y.to_vec();
+        self.spin(&mut turned);
+        let at = At::packed(self.t, &turned, n);
+        let mut values = vec![0.0; self.system.start_conditions(at).len()];
+        for i in 0..n {
+            let (mut q, mut v) = (vec![0.0; n], vec![0.0; n]);
+            match by {
+                By::Places => {
+                    q[i] = 1.0;
+                    let carried = self.spins.iter().filter(|spin| spin.places().contains(&i));
+                    carried.for_each(|spin| spin.slopes((y, &q), None, &mut v));
+                }
+                By::Speeds => v[i] = 1.0,
+            }
+            self.system.slopes(Function::StartConditions, at, &Along { q: &q, v: &v, ..Along::default() }, &mut values);
+            equations.iter().enumerate().for_each(|(row, k)| slopes[(row, i)] = values[*k]);
+        }
+        slopes
+    }
+
+    /// What equations of the start are made of: their values, and what the state changes of them.
+    pub fn terms_of(&self, y: &[f64], equations: &[usize]) -> DVector<f64> {
+        if equations.is_empty() {
+            return DVector::zeros(0);
+        }
+        let (q, v) = y.split_at(self.n);
+        let pairs = self.system.start_conditions(At::packed(self.t, y, self.n));
+        let size = |list: &[f64]| DVector::from_row_slice(list).abs();
+        let moved = self.slopes_of(y, equations, By::Places).abs() * size(q)
+            + self.slopes_of(y, equations, By::Speeds).abs() * size(v);
+        let own = |(k, moved): (&usize, &f64)| pairs[*k].0.abs().max(pairs[*k].1.abs()).max(*moved);
+        DVector::from_iterator(equations.len(), equations.iter().zip(moved.iter()).map(own))
+    }
+
+    /// ∂²/∂q∂q_i of equations of places, each times its multiplier, from differences: it only steers.
+    pub fn bent_by(&self, y: &[f64], i: usize, size: f64, multipliers: &[f64]) -> DVector<f64> {
+        let of_places = &self.conditions.of_places;
+        let slopes = |side: f64| {
+            let mut moved = y.to_vec();
+            moved[i] += side * APART * size;
+            self.slopes_of(&moved, of_places, By::Places)
+        };
+        let difference = (slopes(1.0) - slopes(-1.0)) / (2.0 * APART * size);
+        difference.transpose() * DVector::from_row_slice(multipliers)
+    }
+
+    /// Why a start is none: an equation that it misses.
+    pub fn missed_condition(&self, equation: usize, residual: f64) -> Box<Cause> {
+        let constraint = format!("also, its equation {}", equation - self.conditions.range.start + 1);
+        Cause::StartMissesConstraint { constraint, residual }.into()
+    }
+
+    /// At a place, the speeds of least kinetic energy among those that meet constraints and equations: these are taken as they are linear about the last
+    /// speeds, again and again.
+    pub fn meet_by_speeds(&self, y: &mut [f64]) -> Result<(), Box<Cause>> {
+        let (n, equations) = (self.n, &self.conditions.of_speeds);
+        let mass = mass_matrix(self.system, At::packed(self.t, y, n));
+        let energy = |v: &DVector<f64>| (v.transpose() * &mass * v)[(0, 0)].max(0.0).sqrt();
+        let (mut seeded, mut last) = (false, f64::INFINITY);
+        for _ in 0..ITERATIONS {
+            let (left, terms) = (self.left(y, equations), self.terms_of(y, equations));
+            if left.iter().any(|x| !x.is_finite()) {
+                break;
+            }
+            let slopes = self.slopes_of(y, equations, By::Speeds);
+            let still = |k: usize| (0..n).all(|i| self.held[n + i] || slopes[(k, i)] == 0.0);
+            if (0..left.len()).any(|k| left[k].abs() > MISSED * terms[k] && still(k)) {
+                // An energy does not change with speeds where these vanish: something has to move.
+                if seeded {
+                    break;
+                }
+                (0..n).filter(|i| !self.held[n + i]).for_each(|i| y[n + i] = 1.0);
+                seeded = true;
+                continue;
+            }
+            let from = y.to_vec();
+            self.least_speeds(y, (&slopes, &left));
+            let step = DVector::from_iterator(n, (n..2 * n).map(|i| y[i] - from[i]));
+            let weigh = |left: &DVector<f64>| left.zip_map(&terms, |x, term| if term > 0.0 { x / term } else { x });
+            let size = weigh(&left).norm().max(CLOSED);
+            let halves = std::iter::successors(Some(1.0), |part| Some(0.5 * part));
+            let goes = halves.take_while(|part| *part > SHORTEST).find(|part| {
+                (0..n).for_each(|i| y[n + i] = from[n + i] + part * step[i]);
+                weigh(&self.left(y, equations)).norm() <= size
+            });
+            let Some(part) = goes else {
+                y.copy_from_slice(&from);
+                break;
+            };
+            let moved = part * energy(&step);
+            if moved <= ROUNDED * energy(&DVector::from_row_slice(&y[n..])) || moved > 0.5 * last && size <= CLOSED {
+                break;
+            }
+            last = moved;
+        }
+        self.judge_conditions(y, equations)
+    }
+
+    /// Refuses a state that misses equations of the start.
+    fn judge_conditions(&self, y: &[f64], equations: &[usize]) -> Result<(), Box<Cause>> {
+        let (left, terms) = (self.left(y, equations), self.terms_of(y, equations));
+        match (0..left.len()).find(|k| left[*k].is_nan() || left[*k].abs() > MISSED * terms[*k]) {
+            Some(k) => Err(self.missed_condition(equations[k], left[k])),
+            None => Ok(()),
+        }
+    }
+
+    /// Moves on to all that the start is to meet by least steps of places and speeds (Gauss and Newton; differences only
     /// steer).
-    pub fn start_conditions(&self, y: &mut [f64], range: Range<usize>) -> Result<(), Box<Cause>> {
+    pub fn least_steps(&self, y: &mut [f64]) -> Result<(), Box<Cause>> {
+        let range = self.conditions.range.clone();
         let free: Vec<usize> = (0..2 * self.n).filter(|i| !self.held[*i]).collect();
         let pairs = self.system.start_conditions(At::packed(self.t, y, self.n));
         let wanted = self.wanted(&pairs[range.clone()]);
         // An energy does not change with speeds where these vanish: something has to move.
-        let differs = |(value, wanted): &(f64, f64)| (value - wanted).abs() > MISSED * value.abs().max(wanted.abs());
-        if y[self.n..].iter().all(|v| *v == 0.0) && pairs[range.clone()].iter().any(differs) {
+        let differs = |k: &usize| (pairs[*k].0 - pairs[*k].1).abs() > MISSED * pairs[*k].0.abs().max(pairs[*k].1.abs());
+        if y[self.n..].iter().all(|v| *v == 0.0) && self.conditions.of_speeds.iter().any(differs) {
             free.iter().filter(|i| **i >= self.n).for_each(|i| y[*i] = 1.0);
         }
         let mut left = self.values(y, &range) - &wanted;
@@ -49,10 +211,11 @@ impl<S: System + ?Sized> Closing<'_, S> {
                 }
             }
             let Some(Ok(step)) = svd(weighted, true, true).map(|svd| svd.solve(&right, DEPENDENT)) else { break };
-            let halves = std::iter::successors(Some(1.0), |part| Some(0.5 * part)).take_while(|part| *part > 1e-6);
+            let halves = std::iter::successors(Some(1.0), |part| Some(0.5 * part)).take_while(|part| *part > SHORTEST);
             let moved = |part: f64| {
                 let mut tried = y.to_vec();
                 free.iter().zip(step.iter()).for_each(|(i, s)| tried[*i] -= part * s * sizes[*i]);
+                self.spin(&mut tried);
                 let after = self.values(&tried, &range) - &wanted;
                 (tried, after)
             };
@@ -63,10 +226,7 @@ impl<S: System + ?Sized> Closing<'_, S> {
         }
         let first = left.len() - range.len();
         match (first..left.len()).find(|k| left[*k].is_nan() || left[*k].abs() > MISSED * terms[*k]) {
-            Some(k) => {
-                let constraint = format!("also, its equation {}", k - first + 1);
-                Err(Cause::StartMissesConstraint { constraint, residual: left[k] }.into())
-            }
+            Some(k) => Err(self.missed_condition(range.start + k - first, left[k])),
             None => Ok(()),
         }
     }
@@ -92,6 +252,7 @@ impl<S: System + ?Sized> Closing<'_, S> {
         for (i, size) in sizes.iter().enumerate() {
             let mut moved = y.to_vec();
             moved[i] += APART * size;
+            self.spin(&mut moved);
             slopes.set_column(i, &((self.values(&moved, range) - &here) / (APART * size)));
         }
         slopes

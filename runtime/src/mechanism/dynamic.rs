@@ -207,6 +207,7 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> DualState<M, 
             Function::Outputs => M::outputs(c, *t, u, q, v, a, l, values),
             Function::Energies => values.copy_from_slice(&M::energy(c, *t, u, q, v, a, l)),
             Function::Invariants => M::invariants(c, *t, u, q, v, values),
+            Function::StartConditions => M::start_conditions(c, *t, u, q, v, a, l, values),
             Function::Restitutions | Function::Scene(_) => (),
         }
     }
@@ -404,6 +405,10 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
         let (a, lambda) = self.completed(at, !values.is_empty());
         M::start_conditions(&self.constants, at.t, u.as_ref(), array(at.q), array(at.v), &a, &lambda, &mut values);
         values.into_iter().zip(wanted).collect()
+    }
+
+    fn start_condition_speeds(&self) -> Vec<(u32, u32)> {
+        M::start_condition_speeds().to_vec()
     }
 
     fn restitutions(&self) -> Vec<f64> {

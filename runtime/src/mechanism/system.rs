@@ -230,6 +230,11 @@ pub trait System: Send + Sync {
         Vec::new()
     }
 
+    /// Pairs (place of one of these, rate that it contains).
+    fn start_condition_speeds(&self) -> Vec<(u32, u32)> {
+        Vec::new()
+    }
+
     /// The coefficients of restitution that `description().events` refer to.
     fn restitutions(&self) -> Vec<f64> {
         Vec::new()
@@ -519,6 +524,8 @@ pub enum Function {
     Invariants,
     /// Values of all that events set.
     Assignments,
+    /// What [`System::start_conditions`] are.
+    StartConditions,
     /// The coefficients of restitution.
     Restitutions,
     /// A scene's end, tolerance and spacing of reports, then its start [q; q']: 3 + 2 n numbers, which depend on parameters only.

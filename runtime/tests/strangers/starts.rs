@@ -141,3 +141,71 @@ fn what_rests_at_a_guard_meets_it_where_it_leaves() {
     let run = case(held).run();
     assert_eq!((run.last()["y"], run.last()["y'"]), (0.0, 0.0));
 }
+
+/// A particle whose start is also to meet this, with outputs for it.
+fn also(coordinates: &str, rest: &str) -> dalembert::Run {
+    let position = if coordinates.contains('z') { "[x, y, z]" } else { "[x, y]" };
+    case(&format!(
+        "name: Also\nparameters: {{m: 2 kg, l: 1 m}}\ncoordinates: {{{coordinates}}}\n\
+         bodies: {{c: {{mass: m, position: '{position}'}}}}\n{rest}\n"
+    ))
+    .run()
+}
+
+/// With `also` the place is the nearest to the guess, and speeds that nobody names are those of least kinetic energy.
+#[test]
+fn what_a_start_is_also_to_meet_moves_no_more_than_it_must() {
+    let near = |run: &dalembert::Run, expected: &[(&str, f64)]| {
+        for (name, value) in expected {
+            assert!((run.last()[name] - value).abs() < 1e-14, "{name}: {} for {value}", run.last()[name]);
+        }
+    };
+    let distance = 0.2_f64.hypot(1.1);
+    let nearest = [("x", 0.2 / distance), ("y", 1.1 / distance), ("x'", 0.0), ("y'", 0.0)];
+    let on = "outputs: {d: x^2 + y^2 - l^2}\nscene: {guess: {x: 0.2, y: 1.1}, also: {d: 0}, until: 0}";
+    near(&also("x: m, y: m", on), &nearest);
+    near(&also("x: m, y: m, z: m", &format!("constraints: {{floor: z}}\n{on}")), &nearest);
+    let still =
+        "outputs: {e: x*x' + y*y', d: x^2 + y^2 - l^2}\nscene: {guess: {x: 0.2, y: 1.1}, also: {d: 0, e: 0}, until: 0}";
+    near(&also("x: m, y: m", still), &nearest);
+    let held =
+        "outputs: {d: x^2 + y^2 - l^2}\nscene: {start: {x: 0.3, x': 0}, guess: {y: 1.1}, also: {d: 0}, until: 0}";
+    near(&also("x: m, y: m", held), &[("x", 0.3), ("y", 0.91_f64.sqrt()), ("x'", 0.0), ("y'", 0.0)]);
+    let above = "outputs: {d: x^2 + y^2 - l^2}\nscene: {guess: {x: 0, y: 1.1}, also: {d: 0}, until: 0}";
+    near(&also("x: m, y: m", above), &[("x", 0.0), ("y", 1.0)]);
+    // What speeds can meet leaves the place where it is: 3 x' + y' = 2 by the shortest (x', y').
+    let moving = "outputs: {e: 3*l*x' + l*y'}\nscene: {guess: {x: 0.2, y: 1.1}, also: {e: 2}, until: 0}";
+    near(&also("x: m, y: m", moving), &[("x", 0.2), ("y", 1.1), ("x'", 0.6), ("y'", 0.2)]);
+    // So does an energy, whatever way it moves.
+    let energy = "gravity: [0, -10]\nconserved: {e: energy}\nscene: {guess: {x: 0.2, y: 1.1}, also: {e: 30}, until: 0}";
+    let run = also("x: m, y: m", energy);
+    near(&run, &[("x", 0.2), ("y", 1.1)]);
+    let moves = run.last()["x'"].powi(2) + run.last()["y'"].powi(2);
+    assert!((moves - 8.0).abs() < 1e-13, "{moves}");
+    // Where no speed can meet it the place gives way: m g y is no more than the energy.
+    let low = energy.replace("e: 30", "e: 10");
+    let run = also("x: m, y: m", &low);
+    assert!(run.last()["y"] <= 0.5 + 1e-9, "{}", run.last()["y"]);
+}
+
+/// The same of angles and of a rotation, which turns by no more than it must and rests.
+#[test]
+fn what_angles_are_also_to_meet_leaves_them_at_rest() {
+    let body = |coordinates: &str, turns: &str, guess: &str| {
+        case(&format!(
+            "name: Also\nparameters: {{m: 2 kg}}\ncoordinates: {{{coordinates}}}\nframes: {{F: {{rotate: {turns}}}}}\n\
+             bodies: {{c: {{mass: m, inertia: [1, 1, 2], frame: F, position: [0, 0, 0]}}}}\n\
+             outputs: {{tx: F.x.x, w: angular_velocity(c)}}\nscene: {{guess: {{{guess}}}, also: {{tx: 0}}, until: 0}}\n"
+        ))
+        .run()
+    };
+    let angles = body("a: rad, b: rad", "[[z, a], [y, b]]", "a: 1.5");
+    for (name, value) in [("a", std::f64::consts::FRAC_PI_2), ("b", 0.0), ("a'", 0.0), ("b'", 0.0)] {
+        assert!((angles.last()[name] - value).abs() < 1e-14, "{name}: {}", angles.last()[name]);
+    }
+    let rotation = body("q: rotation", "q", "q: {vector: [0, 0, 1.5]}");
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    for (name, value) in [("q.w", half), ("q.z", half), ("w.x", 0.0), ("w.y", 0.0), ("w.z", 0.0), ("q.w'", 0.0)] {
+        assert!((rotation.last()[name] - value).abs() < 1e-13, "{name}: {}", rotation.last()[name]);
+    }
+}

@@ -187,6 +187,15 @@ impl Program {
         self.model.all_scenes().flat_map(|scene| scene.start_conditions.iter().map(|pair| pair.1)).collect()
     }
 
+    /// Pairs (place of one of these quantities, rate that it contains).
+    pub fn start_condition_speeds(&self) -> Vec<(u32, u32)> {
+        let rates = |(k, id): (usize, &Id)| -> Vec<(u32, u32)> {
+            let symbols = self.model.graph.symbols([*id]).into_iter();
+            symbols.filter_map(|s| if let Symbol::Speed(i) = s { Some((k as u32, i)) } else { None }).collect()
+        };
+        self.start_conditions().iter().enumerate().flat_map(rates).collect()
+    }
+
     /// The period, the energy, guesses of unknowns and values of conditions of a motion, of parameters; 0 for what is not given.
     pub fn motion_numbers(&self, motion: usize) -> Vec<Id> {
         let Some(motion) = self.model.motions.get(motion) else { return Vec::new() };

@@ -23,7 +23,8 @@ pub(super) fn scenes(program: &Program, bodies: &Bodies<'_>) -> String {
     out += &guess(model.equilibrium.as_deref(), model.coordinates.len(), bodies, &parameters);
     out += &restitutions(&program.restitutions(), bodies);
     out += &frequencies(program.frequencies.as_deref(), bodies);
-    out + &list_of("start_condition_values", &program.start_condition_values(), bodies, &parameters)
+    out += &list_of("start_condition_values", &program.start_condition_values(), bodies, &parameters);
+    out + &speeds_of_conditions(&program.start_condition_speeds())
 }
 
 fn sets(scenes: &[&Scene], bodies: &Bodies<'_>, parameters: &str) -> String {
@@ -161,6 +162,15 @@ fn frequencies(values: Option<&[Id]>, bodies: &Bodies<'_>) -> String {
     format!(
         "\n    fn frequencies<S: ::dalembert::mechanism::Real>({name}: &[S]) -> ::core::option::Option<::std::vec::Vec<S>> {{\n{body}    }}\n"
     )
+}
+
+/// Which rates equations of starts contain; the trait's function serves where there are none.
+fn speeds_of_conditions(pairs: &[(u32, u32)]) -> String {
+    if pairs.is_empty() {
+        return String::new();
+    }
+    let pairs: Vec<String> = pairs.iter().map(|(equation, rate)| format!("({equation}, {rate})")).collect();
+    format!("\n    fn start_condition_speeds() -> &'static [(u32, u32)] {{\n        &[{}]\n    }}\n", pairs.join(", "))
 }
 
 /// A method that gives numbers of parameters.

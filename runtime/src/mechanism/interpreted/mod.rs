@@ -275,6 +275,10 @@ impl System for Interpreted {
         values.into_iter().zip(wanted).map(|(value, id)| (value, self.interpreter.constant(id))).collect()
     }
 
+    fn start_condition_speeds(&self) -> Vec<(u32, u32)> {
+        self.interpreter.program().start_condition_speeds()
+    }
+
     fn restitutions(&self) -> Vec<f64> {
         let program = self.interpreter.program();
         program.restitutions().into_iter().map(|id| self.interpreter.constant(id)).collect()

@@ -64,6 +64,7 @@ pub(super) fn slopes(
         mechanism::Function::Outputs => interpreter.evaluate_in(Function::Outputs, value, &mut room),
         mechanism::Function::Energies => interpreter.evaluate_in(Function::Energy, value, &mut room),
         mechanism::Function::Invariants => interpreter.evaluate_in(Function::Invariants, value, &mut room),
+        mechanism::Function::StartConditions => interpreter.evaluate_in(Function::StartConditions, value, &mut room),
         mechanism::Function::Restitutions => roots(&program.restitutions(), &mut room),
         mechanism::Function::Scene(scene) => {
             let Some(scene) = program.model.all_scenes().nth(scene) else { return values.fill(0.0) };
