@@ -69,3 +69,53 @@ fn units_of_options_are_converted() {
     let unknown = HELD.replace("u: U", "u: 0");
     alike(&unknown, "simulate", "--input", ["u=5 mN", "u=5e-3"]);
 }
+
+/// A free body and an angle, started so.
+fn turning(start: &str) -> String {
+    format!(
+        "name: Turning\nparameters: {{m: 2 kg, w: 2 rad/s}}\ncoordinates: {{q: rotation, al: rad}}\n\
+         frames: {{A: {{rotate: q}}, F: {{from: A, rotate: [x, al]}}}}\n\
+         bodies:\n  b: {{mass: m, inertia: [0.3, 0.5, 0.6], frame: A, position: [0, 0, 0]}}\n  \
+         c: {{mass: m, inertia: [0.3, 0.5, 0.6], frame: F, position: [0, 0, 0]}}\nscene: {{{start}, until: 0}}\n"
+    )
+}
+
+/// Lists that start a rotation have units as everything has.
+#[test]
+fn units_of_a_start_of_a_rotation_are_checked() {
+    for (start, code) in [
+        ("start: {q': [1 Hz, 2 rpm, 3]}", "E247"),
+        ("start: {q': [1, 2, 3 deg]}", "E242"),
+        ("start: {q': [3 m, 2, 1]}", "E242"),
+        ("start: {q': {ground: [1 Hz, 0, 0]}}", "E247"),
+        ("start: {q: [[z, 1], [x, 2]], q': {angles: [3 Hz, 2]}}", "E247"),
+        ("start: {q: [[z, 1], [x, 2]], q': {angles: [3, 2 deg]}}", "E242"),
+        ("start: {q: {vector: [0, 0, 3 kg]}}", "E242"),
+        ("start: {q: {quaternion: [0, 0, 3 kg, 1]}}", "E242"),
+        ("start: {q: [z, 3 kg]}", "E242"),
+    ] {
+        let error = told(&turning(start), "simulate", &[]).unwrap_err();
+        assert!(error.contains(code), "{start}: {error}");
+    }
+    let alike = "start: {q: {vector: [0, 0, 30 deg]}, q': [12 deg/s, 2 rpm, w]}";
+    told(&turning(alike), "simulate", &[]).unwrap_or_else(|error| panic!("{error}"));
+}
+
+/// Angles that look like degrees are warned of wherever an angle is set.
+#[test]
+fn angles_of_a_start_that_look_like_degrees_are_warned_of() {
+    for start in [
+        "start: {al: 90}",
+        "start: {q: [z, 90]}",
+        "start: {q: [[z, 0.3], [x, 45]]}",
+        "start: {q: {vector: [0, 0, 90]}}",
+        "equilibrium: {q: [z, 90]}",
+        "equilibrium: {al: 90}",
+    ] {
+        let (scene, equilibrium) = if start.starts_with("start") { (start, "") } else { ("start: {al: 0}", start) };
+        let program = dalembert_symbolic::lower::compile(&format!("{}{equilibrium}\n", turning(scene)), &[]);
+        let program = program.unwrap_or_else(|problems| panic!("{start}: {problems:?}"));
+        let warned = program.model.warnings.iter().filter(|warning| warning.code == "W250").count();
+        assert_eq!(warned, 1, "{start}");
+    }
+}

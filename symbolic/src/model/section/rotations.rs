@@ -6,7 +6,8 @@
 use super::resolve_values::Axis;
 use crate::diagnose::catalogue::{mechanics, names, sections};
 use crate::expr::{Id, Symbol, vectors};
-use crate::file::{Node, Quantity, Spot, Text, describe};
+use crate::file::{Node, Quantity, Spot, describe};
+use crate::model::expression::dimension::Dimension;
 use crate::model::expression::families::Expanded;
 use crate::model::expression::rules::Rules;
 use crate::model::expression::scope::{Member, Section};
@@ -19,6 +20,13 @@ pub const ROTATION: &str = "rotation";
 
 /// So many are derived: with more the equations of free bodies alone are beyond the limit of the graph.
 const MOST_ROTATIONS: usize = 64;
+/// A number of a quaternion.
+const NUMBER: Rules = Rules::constant("a start of it").si(Dimension::ONE);
+/// A component of axis times angle, rad.
+const ANGLE: Rules = Rules::constant("an angle of the start").si(Dimension::ONE);
+/// A component of an angular velocity, or the rate of an angle, rad/s.
+const TURNING: Rules = Rules::constant("a start of it").si(Dimension::RATE);
+
 /// The components of a quaternion, scalar first.
 const COMPONENTS: [&str; 4] = ["w", "x", "y", "z"];
 
@@ -39,7 +47,7 @@ impl Resolver<'_> {
         for component in COMPONENTS {
             let name = format!("{name}.{component}");
             self.model.coordinates.push(Coordinate { name, unit: Some("1".to_owned()), place: spot.place.of_key() });
-            self.scope.units.coordinates.push(self.scope.units.of(crate::model::expression::dimension::Dimension::ONE));
+            self.scope.units.coordinates.push(self.scope.units.of(Dimension::ONE));
         }
         self.scope.rotations.push(first);
         self.model.rotations.push(RotationCoordinate { name, first, place: spot.place.of_key() });
@@ -125,13 +133,13 @@ impl Resolver<'_> {
             self.builder.problems.push(names::member_twice(spot.place.of_key(), &self.model.rotations[index].name));
             return;
         }
-        let Some(q) = self.rotation_given(spot) else { return };
+        let Some(q) = self.rotation_given(index, spot) else { return };
         scene.q[first..first + 4].copy_from_slice(&q.0);
         scene.held_q[first..first + 4].fill(true);
     }
 
     /// A rotation in one of these forms, as a quaternion.
-    pub fn rotation_given(&mut self, spot: &Spot<'_>) -> Option<Quaternion> {
+    pub fn rotation_given(&mut self, index: usize, spot: &Spot<'_>) -> Option<Quaternion> {
         if matches!(spot.node, Node::Map(_))
             && !spot.only(&["quaternion", "vector"], "a start", &mut self.builder.problems)
         {
@@ -143,7 +151,7 @@ impl Resolver<'_> {
                 self.builder.problems.push(both);
                 None
             }
-            (Some(numbers), None) => self.numbers::<4>(&numbers).and_then(|q| {
+            (Some(numbers), None) => self.numbers::<4>(&numbers, NUMBER).and_then(|q| {
                 let square = vectors::dot(&mut self.builder.graph, &q, &q);
                 if self.builder.graph.number(square).is_some_and(|square| square.to_f64() == 0.0) {
                     self.builder.problems.push(mechanics::no_axis(numbers.place.clone()));
@@ -152,9 +160,14 @@ impl Resolver<'_> {
                 Some(Quaternion(q).unit(&mut self.builder.graph))
             }),
             (None, Some(numbers)) => {
-                self.numbers::<3>(&numbers).map(|v| Quaternion::of_vector(&mut self.builder.graph, v))
+                let components = self.numbers::<3>(&numbers, ANGLE)?;
+                for component in numbers.items().unwrap_or_default() {
+                    let angle = component.quantity(&mut self.builder.problems)?;
+                    self.degrees(&angle, &self.model.rotations[index].name.clone());
+                }
+                Some(Quaternion::of_vector(&mut self.builder.graph, components))
             }
-            _ => self.turns_of_start(spot).map(|turns| {
+            _ => self.turns_of_start(index, spot).map(|turns| {
                 let graph = &mut self.builder.graph;
                 turns.iter().fold(Quaternion::ONE, |q, turn| q.times(graph, turn.quaternion))
             }),
@@ -171,9 +184,9 @@ impl Resolver<'_> {
             return;
         }
         let (components, own) = match (spot.get("ground"), spot.get("angles")) {
-            (Some(numbers), None) => (self.numbers::<3>(&numbers), false),
-            (None, Some(numbers)) => (self.rates_of_angles(&numbers, start), true),
-            _ => (self.numbers::<3>(spot), true),
+            (Some(numbers), None) => (self.numbers::<3>(&numbers, TURNING), false),
+            (None, Some(numbers)) => (self.rates_of_angles(index, &numbers, start), true),
+            _ => (self.numbers::<3>(spot, TURNING), true),
         };
         let Some(components) = components else { return };
         scene.v[first..first + 4].copy_from_slice(&Quaternion::of_components(components).0);
@@ -195,8 +208,8 @@ impl Resolver<'_> {
     }
 
     /// The angular velocity along the own axes, of the rates of the angles of a sequence.
-    fn rates_of_angles(&mut self, spot: &Spot<'_>, start: Option<&Spot<'_>>) -> Option<[Id; 3]> {
-        let turns = start.and_then(|start| self.turns_of_start(start));
+    fn rates_of_angles(&mut self, index: usize, spot: &Spot<'_>, start: Option<&Spot<'_>>) -> Option<[Id; 3]> {
+        let turns = start.and_then(|start| self.turns_of_start(index, start));
         let Some(turns) = turns else {
             self.builder.problems.push(sections::needs_another_key(
                 spot.place.of_key(),
@@ -206,7 +219,7 @@ impl Resolver<'_> {
             ));
             return None;
         };
-        let rates = self.list(spot, turns.len())?;
+        let rates = self.list(spot, turns.len(), TURNING)?;
         let graph = &mut self.builder.graph;
         let mut frame = Orientation::ground();
         for (turn, rate) in turns.iter().zip(rates) {
@@ -216,7 +229,7 @@ impl Resolver<'_> {
         Some(frame.own_velocity)
     }
 
-    fn turns_of_start(&mut self, spot: &Spot<'_>) -> Option<Vec<StartTurn>> {
+    fn turns_of_start(&mut self, index: usize, spot: &Spot<'_>) -> Option<Vec<StartTurn>> {
         let written = self.written_turns(spot)?;
         let mut turns = Vec::new();
         for (axis, angle) in written {
@@ -234,24 +247,21 @@ impl Resolver<'_> {
                     return None;
                 }
             };
-            let angle = self.angle_of_start(&angle)?;
+            let angle = Quantity { text: angle, unit: None };
+            self.degrees(&angle, &self.model.rotations[index].name.clone());
+            let angle = self.setting(&angle, ANGLE, &Self::no_locals())?;
             let quaternion = Quaternion::of_turn(&mut self.builder.graph, axis, angle);
             turns.push(StartTurn { axis, angle, quaternion });
         }
         Some(turns)
     }
 
-    fn angle_of_start(&mut self, angle: &Text) -> Option<Id> {
-        let rules = Rules::constant("an angle of the start").si(crate::model::expression::dimension::Dimension::ONE);
-        self.setting(&Quantity { text: angle.clone(), unit: None }, rules, &Self::no_locals())
+    fn numbers<const N: usize>(&mut self, spot: &Spot<'_>, rules: Rules) -> Option<[Id; N]> {
+        self.list(spot, N, rules)?.try_into().ok()
     }
 
-    fn numbers<const N: usize>(&mut self, spot: &Spot<'_>) -> Option<[Id; N]> {
-        self.list(spot, N)?.try_into().ok()
-    }
-
-    /// A list of so many numbers of parameters.
-    fn list(&mut self, spot: &Spot<'_>, count: usize) -> Option<Vec<Id>> {
+    /// A list of so many numbers of parameters; they turn in radians, not in cycles.
+    fn list(&mut self, spot: &Spot<'_>, count: usize, rules: Rules) -> Option<Vec<Id>> {
         let items = spot.items().filter(|items| items.len() == count);
         let Some(items) = items else {
             let found = match spot.node {
@@ -273,7 +283,7 @@ impl Resolver<'_> {
         let mut numbers = Vec::new();
         for item in items {
             let quantity = item.quantity(&mut self.builder.problems)?;
-            numbers.push(self.setting(&quantity, Rules::constant("a start of it"), &Self::no_locals())?);
+            numbers.push(self.setting(&quantity, rules.counting(Some("rad")), &Self::no_locals())?);
         }
         Some(numbers)
     }

@@ -521,7 +521,7 @@ impl Resolver<'_> {
                         self.builder.problems.push(names::member_twice(spot.place.of_key(), name));
                         break;
                     }
-                    let Some(quaternion) = self.rotation_given(&spot) else { break };
+                    let Some(quaternion) = self.rotation_given(index, &spot) else { break };
                     given.extend((first..).zip(quaternion.0));
                 }
                 continue;
@@ -534,6 +534,9 @@ impl Resolver<'_> {
                     break;
                 }
                 let rules = rules.like(self.scope.units.coordinates[coordinate]);
+                if self.model.coordinates[coordinate].unit.as_deref() == Some("rad") {
+                    self.degrees(&value, &member.name());
+                }
                 if let Some(value) = self.setting(&value, rules, &member.locals) {
                     given.push((coordinate, value));
                 }
