@@ -212,3 +212,32 @@ fn rows_of_heavy_coordinates_are_no_singular_positions() {
         assert!((energy - 0.5 * 9.81).abs() < 1e-6 && (last["y"] - 0.5 * last["x"].powi(2)).abs() < 1e-9, "{mass}");
     }
 }
+
+/// A claim that holds in one assembly only: ranges of `sample` keep states in it, also after these are brought to the constraints.
+#[test]
+fn states_on_constraints_lie_in_the_ranges_of_sample() {
+    let rhombus = |sample: &str| {
+        let text = format!(
+            "name: Rhombus\nparameters: {{m: 1 kg, s: 0.5 m, d: 0.3 m, g: 9.81 m/s^2}}\ncoordinates: {{ax: m, ay: m, px: m, py: m}}\n\
+             points: {{C: '[d, 0]', A: '[ax, ay]', P: '[px, py]'}}\n\
+             bodies: {{a: {{mass: m, position: A}}, p: {{mass: m, position: P}}}}\ngravity: [0, -g]\n\
+             constraints: {{ca: 'dot(A-C, A-C) - s^2', pa: 'dot(A-P, A-P) - s^2', rail: py}}\n\
+             checks: {{half: 'ax - d = (px - d)/2'}}\n{sample}\n\
+             scene: {{start: {{px: 0.9}}, guess: {{ax: 0.6, ay: -0.4}}, until: 0.05}}\n"
+        );
+        dalembert_symbolic::lower::compile(&text, &[]).map(|_| ())
+    };
+    rhombus("sample: {px: [0.5, 3]}").unwrap_or_else(|problems| panic!("{problems:?}"));
+    let folded = rhombus("").unwrap_err();
+    assert!(folded.iter().any(|problem| problem.code == "E502"), "{folded:?}");
+}
+
+/// Ranges in which the constraints leave no state are refused.
+#[test]
+fn ranges_of_sample_without_a_state_are_refused() {
+    let text = "name: Out\nparameters: {m: 1 kg, l: 1 m, g: 9.81 m/s^2}\ncoordinates: {x: m, y: m}\n\
+                bodies: {b: {mass: m, position: '[x, y]'}}\ngravity: [0, -g]\nconstraints: {rod: x^2 + y^2 - l^2}\n\
+                sample: {y: [-3, -2]}\nscene: {start: {x: 0.3, x': 0}, guess: {y: -1}, until: 1}\n";
+    let refused = dalembert_symbolic::lower::compile(text, &[]).map(|_| ()).unwrap_err();
+    assert!(refused.iter().any(|problem| problem.code == "E504" && problem.help.contains("outside")), "{refused:?}");
+}

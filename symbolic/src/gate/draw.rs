@@ -178,6 +178,22 @@ impl<'a> Draws<'a> {
         })
     }
 
+    /// Brings a state to the constraints with what was drawn in the ranges of `sample` left as it is, where that can be.
+    pub(super) fn hold(&self, state: &mut State) {
+        if self.sample.is_empty() || self.motion.constraints.is_empty() {
+            return;
+        }
+        let named = |rate: bool| -> Vec<bool> {
+            (0..state.q.len()).map(|i| self.sample.iter().any(|(of, speed, _)| *of == i && *speed == rate)).collect()
+        };
+        let (places, rates) = (named(false), named(true));
+        let mut closed = state.clone();
+        self.motion.signals(&mut closed);
+        if self.motion.constraints.close_holding(&mut closed, (&places, &rates)) {
+            *state = closed;
+        }
+    }
+
     /// The largest scale of a coordinate, or of its speed.
     pub(super) fn reach(&self, i: usize, speed: bool) -> f64 {
         let scales = if speed { &self.scales.v[i] } else { &self.scales.q[i] };

@@ -138,7 +138,8 @@ impl StateSearch<'_> {
                 let mut state = draws.group(&group, when);
                 state.phase = phase;
                 if draws.inside(&state) {
-                    self.keep(state, kept);
+                    draws.hold(&mut state);
+                    self.keep(draws, state, kept);
                 }
             }
         }
@@ -172,7 +173,7 @@ impl StateSearch<'_> {
                     let mut state = on_the_way(run, step);
                     state.outside = !draws.inside(&state);
                     bases.push(state.clone());
-                    self.keep(state, &mut found.all);
+                    self.keep(draws, state, &mut found.all);
                 }
             }
         }
@@ -213,20 +214,25 @@ impl StateSearch<'_> {
             for mut state in states.into_iter().take(2 * self.room) {
                 // Next to a discontinuity wherever it comes from.
                 state.origin = Origin::Side;
-                self.keep(state, kept);
+                self.keep(draws, state, kept);
             }
         }
     }
 
-    /// Keeps a state that has a motion, and can show it: constraints do not depend on each other there only.
-    fn keep(&self, mut state: State, kept: &mut Vec<State>) {
+    /// Keeps a state that has a motion, and can show it: constraints do not depend on each other there only.  On the constraints it lies where the file
+    /// says that the model is defined, unless a scene's motion went there.
+    fn keep(&self, draws: &Draws<'_>, mut state: State, kept: &mut Vec<State>) {
         let constraints = &self.motion.constraints;
+        let went = state.outside || state.origin == Origin::Motion;
         if self.motion.complete(&mut state).is_ok()
             && constraints.rank(&state).0 >= self.usual[state.phase]
             && !constraints.nearly_dependent(&state)
             && !constraints.rests(&state)
         {
-            kept.push(state);
+            state.outside = !draws.inside(&state);
+            if went || !state.outside {
+                kept.push(state);
+            }
         }
     }
 }
@@ -340,6 +346,7 @@ fn drawn(
     let (mut singular, mut nearly): (Option<Singular>, _) = (None, Vec::new());
     let mut tried = 0;
     let phases = motion.constraints.phases();
+    let mut outside = vec![0; phases];
     let fewest = if model.contacts_are_single() { ALONE } else { FEWEST };
     let wanted = (wanted * phases.min(MOST_PHASES)).max(if phases > 1 { fewest * phases } else { 0 });
     let most = DRAWS.max(3 * wanted);
@@ -352,14 +359,15 @@ fn drawn(
         state.phase = tried % phases;
         if !closes {
             state.own = true;
-            let of_phase = || positions.iter().filter(|own| own.phase == state.phase);
+            let of_phase = || positions.iter().filter(|own| own.phase == state.phase && draws.inside(own));
             if let Some(own) = of_phase().nth(tried / phases % of_phase().count().max(1)) {
                 (state.t, state.q) = (own.t, own.q.clone());
             }
         }
+        draws.hold(&mut state);
         match motion.complete(&mut state) {
             // Others are drawn in its place.
-            Ok(()) if !model.contacts.is_empty() && !draws.inside(&state) => {}
+            Ok(()) if !draws.inside(&state) => outside[state.phase] += 1,
             Ok(()) if motion.constraints.nearly_dependent(&state) || motion.constraints.rests(&state) => {
                 nearly.push(state);
             }
@@ -382,7 +390,7 @@ fn drawn(
     let phases_without: Vec<usize> = (0..phases).filter(|phase| few(&found.all, *phase)).collect();
     found.all.extend(nearly.into_iter().filter(|state| phases_without.contains(&state.phase)).take(wanted));
     motion.constraints.regular(&mut found.all);
-    enough(model, motion, &found.all, singular, DrawCount { wanted, tried, most })
+    enough(model, motion, &found.all, singular, DrawCount { wanted, tried, most, outside })
 }
 
 /// A state at which M is singular.
@@ -402,6 +410,8 @@ struct DrawCount {
     tried: usize,
     /// So many are tried at the most.
     most: usize,
+    /// So many of each phase met the constraints outside of the file's `sample`.
+    outside: Vec<usize>,
 }
 
 /// Asks that the states are as many as something can be said with.
@@ -419,6 +429,9 @@ fn enough(
     // Contacts that would have to move in two ways at once never stick, or slip, together: no motion passes such a phase.
     let may_be_empty = !model.contacts.is_empty() && !states.is_empty();
     let empty = |phase: &usize| !may_be_empty && !states.iter().any(|state| state.phase == *phase);
+    if let Some(outside) = (0..phases).find(empty).map(|phase| draw.outside[phase]).filter(|outside| *outside > 0) {
+        return Err(Box::new(outside_of_sample(states.len(), outside, draw.most)));
+    }
     if let Some(phase) = (0..phases).find(empty).filter(|phase| !motion.constraints.active(*phase).is_empty())
         && singular.is_none()
     {
@@ -440,8 +453,22 @@ fn enough(
             let rank = format!("{rank} of {}", motion.n);
             verdicts::singular_mass(place, rank, listed(&names), describe(model, &state))
         }
-        _ => verdicts::too_few_states(Place::default().key("coordinates"), states.len(), draw.most),
+        _ => match draw.outside.iter().sum() {
+            0 => {
+                let help = "say where the model is defined, `sample: {y: [-0.9*l, 0.9*l]}`";
+                verdicts::too_few_states(Place::default().key("coordinates"), states.len(), draw.most, help)
+            }
+            outside => outside_of_sample(states.len(), outside, draw.most),
+        },
     }))
+}
+
+/// That ranges leave too few of the states that meet the constraints.
+fn outside_of_sample(found: usize, outside: usize, most: usize) -> Problem {
+    let help = format!(
+        "{outside} states that meet the constraints lie outside of these ranges: name ranges into which the constraints let the model come"
+    );
+    verdicts::too_few_states(Place::default().key("sample"), found, most, help)
 }
 
 /// Whether the constraints of a phase hold where the first scene starts, and all of their slopes vanish there.

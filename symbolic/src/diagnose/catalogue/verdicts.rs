@@ -10,9 +10,9 @@ super::entries! {
     E503 derivations_disagree(what, by, state) "two derivations that disagree"
         "two derivations of {what} differ by {by}" "" "at {state}"
         "Lagrange's equations and the virtual power of the bodies must give the same accelerations, and constraints differentiated forward and in reverse the same rows. If the file is right this is a fault of the program.";
-    E504 too_few_states(found, wanted) "too few states to test at"
-        "only {found} of {wanted} random states are usable" "" "say where the model is defined, `sample: {{y: [-0.9*l, 0.9*l]}}`"
-        "States that are not finite or fall on a discontinuity are drawn again, up to a limit.";
+    E504 too_few_states(found, wanted, help) "too few states to test at"
+        "only {found} of {wanted} random states are usable" "" "{help}"
+        "States that are not finite, fall on a discontinuity, or lie outside of `sample` where they meet the constraints, are drawn again, up to a limit.";
     E505 singular_mass(rank, names, state) "coordinates that are redundant, or move no mass"
         "the mass matrix has rank {rank} in every state tried" "some motion of {names} moves no mass" "leave out a coordinate that the others determine, or give what it moves a mass; tried at {state}"
         "Accelerations do not exist where the mass matrix is singular. A particle in the plane has two coordinates; a third one that also moves it leaves a combination that moves nothing.";
