@@ -16,6 +16,7 @@ mod fits;
 mod found_steps;
 mod gaps;
 mod gimbal_lock;
+mod inputs;
 mod limits;
 mod orbits;
 mod pictures;

@@ -291,7 +291,8 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let switch_pairs = arguments.iter().zip(&switch_rates).flat_map(|(a, r)| [*a, *r]).collect();
     let events = model.events.iter().flat_map(|e| [e.when, e.condition.unwrap_or(Id::ONE)]).collect();
     let functions: Vec<Id> = model.events.iter().map(|e| e.when).collect();
-    let event_rates = event_rates(graph, &functions, &chosen.residual, !constraints.is_empty());
+    let solved: Vec<Id> = chosen.residual.iter().chain(&constraints.bias).copied().collect();
+    let event_rates = event_rates(graph, &functions, &solved, !constraints.is_empty());
     if !event_rates.iter().any(|rate| matches!(rate, Rate::Held(_))) {
         constraints.held_rates.clear();
     }
@@ -508,9 +509,10 @@ fn by_inputs(graph: &mut Graph, residual: &[Id]) -> Vec<Entry> {
     }))
 }
 
-/// The rates of events' functions.
-fn event_rates(graph: &mut Graph, functions: &[Id], residual: &[Id], constrained: bool) -> Vec<Rate> {
-    let differentiable = constrained && !graph.symbols(residual.iter().copied()).iter().any(sharp);
+/// The rates of events' functions; those of accelerations and multipliers follow from F and γ, where neither reads the second
+/// derivative of an input.
+fn event_rates(graph: &mut Graph, functions: &[Id], solved: &[Id], constrained: bool) -> Vec<Rate> {
+    let differentiable = constrained && !graph.symbols(solved.iter().copied()).iter().any(sharp);
     functions.iter().map(|g| rate_of(graph, *g, differentiable)).collect()
 }
 
