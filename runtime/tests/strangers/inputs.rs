@@ -59,3 +59,48 @@ fn a_block_slips_on_a_base_of_an_input_where_friction_is_at_its_limit() {
         }
     }
 }
+
+/// A flight that is one step goes over several turns of the table.
+#[test]
+fn a_ball_lands_in_the_right_turn_of_a_table_of_an_input() {
+    let mut ball = case(
+        "name: Ball\nparameters: {m: 1 kg, g: 9.81 m/s^2, A: 0.02 m, w: 35 1/s, e: 0.3}\ncoordinates: {y: m}\n\
+         inputs: {u: A*sin(w*t)}\nbodies: {b: {mass: m, position: \"[0, y]\"}}\ngravity: [0, -g]\n\
+         contacts: {c: {gap: y - u, on: b, normal: \"[0, 1]\", restitution: e}}\n\
+         scene: {start: {y: 0, y': A*w}, until: 1.5}\n",
+    );
+    for tolerance in [1e-7, 1e-10] {
+        ball.settings.tolerance = tolerance;
+        let run = ball.run();
+        let lands = run.events.iter().filter(|event| event.name == "c lands").map(|event| event.state.t);
+        let lands: Vec<f64> = lands.filter(|t| *t > 0.0).collect();
+        // From asin(g/(A w²))/w on by parabolas, with 30 digits.
+        let expected = [
+            0.165581866874598,
+            0.367290318389236,
+            0.588116460398720,
+            0.691209404483892,
+            0.726025264817761,
+            0.890103378715412,
+            1.102582401217970,
+            1.278762248180450,
+            1.462582635907710,
+        ];
+        assert_eq!(lands.len(), expected.len(), "{lands:?}");
+        assert!(lands.iter().zip(expected).all(|(t, expected)| (t - expected).abs() < 1e-9), "{lands:?}");
+    }
+}
+
+/// What rests is asked for in steps as long as the run, whatever turns in an input.
+#[test]
+fn what_turns_in_an_input_is_seen_in_one_step() {
+    let crossed = case(
+        "name: Crossed\nparameters: {m: 1 kg, A: 1 m, w: 100 1/s}\ncoordinates: {x: m}\ninputs: {u: A*sin(w*t)}\n\
+         bodies: {b: {mass: m, position: \"[x, 0]\"}}\nevents: {over: {when: u - x, direction: rising, then: record}}\n\
+         scene: {start: {x: 0.5}, until: 100}\n",
+    )
+    .run();
+    // At (pi/6 + 2 pi n)/w.
+    let turn = std::f64::consts::TAU;
+    assert_eq!(crossed.events.len() as f64, ((1e4 - turn / 12.0) / turn).floor() + 1.0);
+}

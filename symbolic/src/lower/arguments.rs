@@ -7,6 +7,7 @@ use std::collections::BTreeSet;
 
 use rustc_hash::{FxHashMap as HashMap, FxHashSet as HashSet};
 
+use super::read_signals;
 use super::zero_factors::gates;
 use crate::derive::rates;
 use crate::expr::{Binary, DoubleDouble, Graph, Id, Node, Number, Symbol, Unary};
@@ -65,9 +66,11 @@ pub enum Role {
 }
 
 /// Arguments inside the events, the switches' arguments and the equations of motion, in an order in which an argument's
-/// own arguments come after it; without those in which held values are that are `directions` of sliding.
+/// own arguments come after it; without those in which held values are that are `directions` of sliding.  What reads an input
+/// has the arguments inside its signal.
 pub(super) fn arguments(
     graph: &mut Graph,
+    signals: &[[Id; 3]],
     events: &[Id],
     switches: &[Id],
     motion: &[Id],
@@ -76,10 +79,12 @@ pub(super) fn arguments(
 ) -> Vec<Argument> {
     let mut list = List { directions, ..List::default() };
     for (k, event) in events.iter().enumerate() {
-        add(graph, &mut list, Watched::Event(k), &[*event]);
+        let roots = with_signals(graph, signals, *event);
+        add(graph, &mut list, Watched::Event(k), &roots);
     }
     for (k, switch) in switches.iter().enumerate() {
-        add(graph, &mut list, Watched::Switch(k), &[*switch]);
+        let roots = with_signals(graph, signals, *switch);
+        add(graph, &mut list, Watched::Switch(k), &roots);
     }
     add(graph, &mut list, Watched::Motion, motion);
     for (name, roots) in loads {
@@ -91,10 +96,9 @@ pub(super) fn arguments(
     for index in 0..list.all.len() {
         let (role, value) = (list.all[index].role, list.all[index].value);
         if role != Role::Phase {
-            for (role, inner) in inside(graph, &[value]) {
-                if role == Role::Phase {
-                    push(graph, &mut list, (Watched::Argument(index), role, inner), "");
-                }
+            let roots = with_signals(graph, signals, value);
+            for inner in phases(graph, &roots) {
+                push(graph, &mut list, (Watched::Argument(index), Role::Phase, inner), "");
             }
         }
     }
@@ -103,6 +107,18 @@ pub(super) fn arguments(
         argument.gates = gates.get(&argument.value).into_iter().flatten().copied().collect();
     }
     list.all
+}
+
+/// The phases inside expressions.
+fn phases(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
+    inside(graph, roots).into_iter().filter(|(role, _)| *role == Role::Phase).map(|(_, phase)| phase).collect()
+}
+
+/// An expression, and the functions of time that stand for the inputs it reads.
+fn with_signals(graph: &Graph, signals: &[[Id; 3]], value: Id) -> Vec<Id> {
+    let mut roots = read_signals(graph, signals, std::iter::once(value));
+    roots.push(value);
+    roots
 }
 
 /// Arguments, each once.
