@@ -104,3 +104,23 @@ fn what_turns_in_an_input_is_seen_in_one_step() {
     let turn = std::f64::consts::TAU;
     assert_eq!(crossed.events.len() as f64, ((1e4 - turn / 12.0) / turn).floor() + 1.0);
 }
+
+/// What sticks rests in steps as long as the run, whatever turns in the force that friction meets.
+#[test]
+fn what_turns_in_a_force_on_a_stuck_block_is_seen() {
+    let turn = std::f64::consts::TAU;
+    let pushed = case(
+        "name: Pushed\nparameters: {m: 1 kg, F: 3 N, L: 2 N, w: 100 1/s}\ncoordinates: {x: m}\n\
+         bodies: {b: {mass: m, position: \"[x, 0]\"}}\nforces: {f: {on: b, force: \"[F*sin(w*t)^31, 0]\"}}\n\
+         friction: {rub: {rate: x', limit: L}}\nscene: {start: {x: 0}, until: 1, tolerance: 1e-8}\n",
+    )
+    .run();
+    // F sin^31 = L in every half turn.
+    let slips = pushed.events.iter().filter(|event| event.name == "rub slips").map(|event| event.state.t);
+    let slips: Vec<f64> = slips.collect();
+    assert_eq!(slips.len() as f64, (100.0 / (0.5 * turn)).floor() + 1.0, "{slips:?}");
+    for (k, t) in slips.into_iter().enumerate() {
+        let expected = ((2.0_f64 / 3.0).powf(1.0 / 31.0).asin() + 0.5 * turn * k as f64) / 100.0;
+        assert!((t - expected).abs() < 1e-9, "{t} {expected}");
+    }
+}

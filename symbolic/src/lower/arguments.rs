@@ -67,20 +67,28 @@ pub enum Role {
 
 /// Arguments inside the events, the switches' arguments and the equations of motion, in an order in which an argument's
 /// own arguments come after it; without those in which held values are that are `directions` of sliding.  What reads an input
-/// has the arguments inside its signal.
+/// has the arguments inside its signal, and what reads a reaction or an acceleration turns with the phases inside the equations that
+/// `determine` these.
 pub(super) fn arguments(
     graph: &mut Graph,
     signals: &[[Id; 3]],
-    events: &[Id],
+    (events, determine): (&[Id], &[Id]),
     switches: &[Id],
     motion: &[Id],
     loads: &[(String, Vec<Id>)],
     directions: Vec<u32>,
 ) -> Vec<Argument> {
     let mut list = List { directions, ..List::default() };
+    let roots: Vec<Id> = determine.iter().flat_map(|f| with_signals(graph, signals, *f)).collect();
+    let phases_of_solved = phases(graph, &roots);
     for (k, event) in events.iter().enumerate() {
         let roots = with_signals(graph, signals, *event);
         add(graph, &mut list, Watched::Event(k), &roots);
+        if graph.symbols([*event]).iter().any(is_solved) {
+            for &phase in &phases_of_solved {
+                push(graph, &mut list, (Watched::Event(k), Role::Phase, phase), "");
+            }
+        }
     }
     for (k, switch) in switches.iter().enumerate() {
         let roots = with_signals(graph, signals, *switch);
@@ -112,6 +120,11 @@ pub(super) fn arguments(
 /// The phases inside expressions.
 fn phases(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
     inside(graph, roots).into_iter().filter(|(role, _)| *role == Role::Phase).map(|(_, phase)| phase).collect()
+}
+
+/// What the equations of motion determine together.
+fn is_solved(s: &Symbol) -> bool {
+    matches!(s, Symbol::Acceleration(_) | Symbol::Multiplier(_) | Symbol::Reaction(_))
 }
 
 /// An expression, and the functions of time that stand for the inputs it reads.

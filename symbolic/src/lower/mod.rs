@@ -300,7 +300,8 @@ pub fn lower(judged: Judged) -> Result<Program, Vec<Problem>> {
     let loads: Vec<(String, Vec<Id>)> =
         model.loads.iter().map(|load| (load.name.clone(), load.expressions())).collect();
     let of_sliding = model.contacts.iter().flat_map(Contact::held).map(|place| place as u32).collect();
-    let arguments = arguments::arguments(graph, &signals, &functions, &arguments, &motion, &loads, of_sliding);
+    let arguments =
+        arguments::arguments(graph, &signals, (&functions, &solved), &arguments, &motion, &loads, of_sliding);
     let jumps = (0..model.inputs.len()).map(|k| input_jump(graph, &chosen.residual, k as u32)).collect();
     let power = graph.add(energies.power, constraints.power);
     let outputs: Vec<Id> = model.outputs.iter().flat_map(|o| o.value.iter().copied()).collect();
