@@ -245,7 +245,8 @@ fn starts(
 ) -> Result<Vec<Column>, NoSlopes> {
     let guess = [settings.q.as_slice(), settings.v.as_slice()].concat();
     let (held, given) = (settings.held(), &origin.given);
-    let start = Start { t: side.t, guess: &guess, held: &held, spins: &settings.spins, y: &side.y, scene: origin.scene, given };
+    let start =
+        Start { t: side.t, guess: &guess, held: &held, spins: &settings.spins, y: &side.y, scene: origin.scene, given };
     let column = |(k, unknown): (usize, &Unknown)| {
         let y = start::column(system, &start, *unknown).map_err(|why| match why {
             NoSlopes::HeldStart { constraint, .. } => NoSlopes::HeldStart { unknown: k.to_string(), constraint },
