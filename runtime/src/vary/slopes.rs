@@ -1,5 +1,7 @@
 //! A run with its slopes.
 
+use std::collections::BTreeMap;
+
 use super::flow::{Flow, Moment, Way, at_event, follow, range};
 use super::junction::{Column, put, slides};
 use super::response::Response;
@@ -41,6 +43,8 @@ pub struct Slope {
 
 /// So much of a number p ∂x/∂p, beside the largest x, may be rounding.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
+/// Less than this part of the largest slope with the same unit is rounding of rounding, in which two runs may agree and both be wrong.
+const NOTHING: f64 = 1e-20;
 
 impl Slopes {
     /// The times at which there are slopes, s; the last is the run's end.
@@ -292,6 +296,31 @@ fn leaves_no_surface(
     Ok(())
 }
 
+/// For each number the largest component of the vector to which it belongs; 0 of what belongs to none.
+fn largest_of_vectors(run: &Run, numbers: &[f64]) -> Vec<f64> {
+    let mut largest = vec![0.0; numbers.len()];
+    let mut first = 2 * run.description.coordinates.len();
+    for output in run.description.outputs.iter() {
+        let own = first..first + output.components as usize;
+        if own.len() > 1 {
+            let most = numbers[own.clone()].iter().fold(0.0, |most, x| f64::max(most, x.abs()));
+            largest[own.clone()].fill(most);
+        }
+        first = own.end;
+    }
+    largest
+}
+
+/// For each number the largest of those with its unit.
+fn largest_alike(units: &[String], numbers: &[f64]) -> Vec<f64> {
+    let mut largest: BTreeMap<&str, f64> = BTreeMap::new();
+    for (unit, x) in units.iter().zip(numbers).filter(|(_, x)| x.is_finite()) {
+        let most = largest.entry(unit).or_default();
+        *most = most.max(x.abs());
+    }
+    units.iter().map(|unit| largest.get(unit.as_str()).copied().unwrap_or(0.0)).collect()
+}
+
 /// How large something unknown is; of what is 0 at the start, how large it becomes; 1 of what stays 0.
 fn size(system: &dyn System, run: &Run, unknown: Unknown) -> f64 {
     let found = match unknown {
@@ -397,6 +426,7 @@ impl Varied {
     fn beside(self, second: Option<&Second<Varied>>, unknowns: &[(String, Unknown)], names: Vec<String>) -> Slopes {
         let (rough, told) = (second.map(|second| &second.run), second.map_or(1.0, |second| second.told));
         let largest = self.largest();
+        let units: Vec<String> = names.iter().map(|name| self.run.unit(name)).collect();
         let slope = |value: f64, other: Option<f64>, rounding: f64| Slope {
             value,
             error: other.map_or(f64::NAN, |x| (told * (x - value).abs()).max(rounding)),
@@ -404,8 +434,10 @@ impl Varied {
         let values = self.points.iter().enumerate().map(|(t, point)| {
             let list = point.slopes.iter().enumerate().map(|(k, column)| {
                 let other = rough.map(|rough| &rough.points[t].slopes[k]);
+                let (alike, of_vector) = (largest_alike(&units, column), largest_of_vectors(&self.run, column));
                 let of = |(i, value): (usize, &f64)| {
-                    slope(*value, other.map(|other| other[i]), ROUNDING * largest[i] / self.sizes[k])
+                    let rounding = ROUNDING * (largest[i] / self.sizes[k]).max(of_vector[i]);
+                    slope(*value, other.map(|other| other[i]), rounding.max(NOTHING * alike[i]))
                 };
                 column.iter().enumerate().map(of).collect()
             });

@@ -6,9 +6,11 @@ use super::momenta::{momentum_slopes, rate_slopes};
 use super::{NoSlopes, Unknown};
 use crate::constrain::KeptSpin;
 use crate::matrix::solve_least;
-use crate::mechanism::dense::{constraint_matrix, mass_matrix};
+use crate::mechanism::dense::{constraint_matrix, mass_matrix, sizes_alike};
 use crate::mechanism::{Along, At, Function, System, rows_in_force};
 
+/// So much of a slope, beside the largest with its unit, is rounding of the equations that all slopes solve together.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
 /// A constraint is met by slopes that leave this part of what they had to make up for.
 const MISSED: f64 = 1e-6;
 
@@ -161,10 +163,21 @@ fn places(system: &dyn System, start: &Start<'_>, rows: &[usize], change: &Chang
     let right = wanted.iter().copied().chain(missed.iter().map(|x| -x));
     if let Some(solution) = solve_least(&k, &DMatrix::from_iterator(f + r, 1, right)) {
         free.iter().zip(solution.iter()).for_each(|(i, step)| column[*i] = *step);
+        leave_out_rounding(system, &free, &mut column[..n]);
     }
     let left = missed_places(system, start, &holonomic, &Along { q: &column[..n], parameter, ..Along::default() });
     closed(system, place, &holonomic, (&left, &missed, size(&column[..n]).max(wanted.norm())))?;
     Ok(column)
+}
+
+/// Makes slopes of free places, or rates, 0 that are rounding beside others.
+fn leave_out_rounding(system: &dyn System, free: &[usize], slopes: &mut [f64]) {
+    let sizes = sizes_alike(system.description(), slopes);
+    for i in free {
+        if slopes[*i].abs() <= ROUNDING * sizes[*i] {
+            slopes[*i] = 0.0;
+        }
+    }
 }
 
 /// The slopes of c of these rows along a direction.
@@ -234,6 +247,7 @@ fn speeds(
     let right = DMatrix::from_iterator(f + r, 1, right);
     if let Some(solution) = solve_least(&k, &right) {
         free.iter().zip(solution.iter()).for_each(|(i, v)| column[n + i] = *v);
+        leave_out_rounding(system, &free, &mut column[n..]);
     }
     let (places, rates) = column.split_at(n);
     let left =

@@ -309,3 +309,22 @@ fn names_with_two_indices_stand_in_lists() {
         program(arguments).unwrap_or_else(|error| panic!("{arguments:?}: {error}"));
     }
 }
+
+/// The block of a crank in space, which a slider keeps from turning and from leaving its rail: slopes that are 0 but for rounding are told as 0, the
+/// others with their digits.
+#[test]
+fn slopes_of_what_nothing_moves_are_zero() {
+    let simulation = super::simulation(&super::text_of("space_crank")).until(1.0);
+    let slopes = simulation.slopes(&["th'", "L", "T0", "th"]).unwrap();
+    for unknown in ["th'", "L", "T0", "th"] {
+        for name in [
+            "sy", "sz", "sl.w", "sl.x", "sl.y", "sl.z", "sy'", "sz'", "sl.w'", "sl.x'", "sl.y'", "sl.z'", "muq.y",
+            "mgs.y",
+        ] {
+            let slope = slopes.get(name, unknown).unwrap();
+            assert!(slope.value.abs() <= slope.error, "{name} by {unknown}: {} by {}", slope.value, slope.error);
+        }
+    }
+    let th = slopes.get("th", "T0").unwrap();
+    assert!((th.value - 3.601_061_885).abs() < 1e-8 && th.error < 1e-9, "{th:?}");
+}
