@@ -447,7 +447,7 @@ fn states_inside_steps_that_stability_limits_are_good() {
         case.settings.every = Some(0.0025);
         let run = case.run();
         let found = run.column("i").expect("the current");
-        let off = run.times.iter().zip(found).map(|(t, found)| (found - current(*t)).abs()).fold(0.0, f64::max);
+        let off = run.times().iter().zip(found).map(|(t, found)| (found - current(*t)).abs()).fold(0.0, f64::max);
         assert!(off < 200.0 * tolerance * 11.0, "{tolerance}: {off:e}");
     }
 }
