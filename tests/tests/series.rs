@@ -104,7 +104,7 @@ fn is_written<M: Mechanism<N, C> + Default, const N: usize, const C: usize>() ->
 }
 
 /// The end of a run of a compiled model, whose series is written out, beside that of the file that nobody compiled.
-fn compare<M: Mechanism<N, C> + Default, const N: usize, const C: usize>(text: &str) {
+fn compare<M: Mechanism<N, C> + Default + 'static, const N: usize, const C: usize>(text: &str) {
     assert!(is_written::<M, N, C>(), "{text}");
     let run = |settings: &Settings, system: &mut dyn System| -> Run { simulate(system, settings).expect("a run") };
     let mut interpreted = Interpreted::new(compile(text, &[]).expect("a model"), text);
