@@ -82,9 +82,9 @@ fn a_ball_lands_in_the_right_turn_of_a_table_of_an_input() {
             0.691209404483892,
             0.726025264817761,
             0.890103378715412,
-            1.102582401217970,
-            1.278762248180450,
-            1.462582635907710,
+            1.10258240121797,
+            1.27876224818045,
+            1.46258263590771,
         ];
         assert_eq!(lands.len(), expected.len(), "{lands:?}");
         assert!(lands.iter().zip(expected).all(|(t, expected)| (t - expected).abs() < 1e-9), "{lands:?}");
