@@ -69,7 +69,7 @@ impl Integration {
         locator: &mut Option<Box<EventLocator>>,
         recorder: &Recorder,
     ) -> Result<(Step, bool), Box<Cause>> {
-        let (mut retries, mut defective) = (0, Vec::new());
+        let (mut retries, mut defective, mut cut) = (0, Vec::new(), most.is_finite());
         loop {
             let step = self.attempt(system, stop, most, locator)?;
             if retries == RETRIES {
@@ -79,7 +79,7 @@ impl Integration {
                 self.dense(system, step)?;
                 return Ok((step, true));
             }
-            if most.is_finite() {
+            if cut {
                 // Shorter steps that follow one cut before a feature say nothing about the acceleration.
                 self.jumps.restart();
             }
@@ -111,7 +111,7 @@ impl Integration {
             } else if has_no_feature {
                 return Ok((step, true));
             } else if let Some(shorter) = self.cut(system, step, locator) {
-                most = shorter;
+                (most, cut) = (shorter, true);
                 self.jumps.restart();
             } else {
                 self.meets(system, step, locator)?;
