@@ -189,9 +189,9 @@ impl Integration {
         if step.h <= self.defect.unmended {
             return None;
         }
-        // Where stability limits the step, ends are good and what is between them is off by the defect over h|λ|.
+        // Beyond the limit of stability ends may be good, and what is between them is off by the defect over h|λ|.
         let h_lambda = step.h * self.limiting_rate;
-        let limited = h_lambda > 2.0 * self.stiffness.least();
+        let limited = h_lambda > self.stiffness.limit();
         let most = if limited { Defect::REPEATED * h_lambda } else { Defect::MOST };
         // An evaluation more is dear to a method whose steps have few: its long steps only.
         let short = step.h < 0.5 * self.defect.longest;
