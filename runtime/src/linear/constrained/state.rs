@@ -152,11 +152,12 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
     }
 
     /// How many rows are independent in general.  Beside places that meet the constraints more may be, as little as these are missed by: multipliers of
-    /// the difference would be as large as one likes.
+    /// the difference would be as large as one likes.  Rows that contain speeds are not missed by a place.
     pub fn rank(&self) -> usize {
         let phase = self.system.description().phases.get(self.system.phase());
         let own = |rows: &[u32]| rows.iter().map(|row| *row as usize).eq(self.rows.iter().copied());
-        phase.filter(|phase| own(&phase.rows)).map_or(self.rows.len(), |phase| phase.rank as usize)
+        let all_closed = self.closed().count() == self.rows.len();
+        phase.filter(|phase| all_closed && own(&phase.rows)).map_or(self.rows.len(), |phase| phase.rank as usize)
     }
 
     /// The same state with the multipliers that a run has there: where rows depend on each other they share forces by one rule.
