@@ -64,6 +64,7 @@ const RUNS: &[&str] = &[
     "restitutions",
     "frequencies",
     "start_condition_values",
+    "start_condition_speeds",
     "motions",
     "motion_numbers",
 ];
@@ -257,6 +258,7 @@ fn judge(program: &Program) -> BTreeSet<String> {
         "eliminated" => program.constraints.eliminated.is_some(),
         "scene_memory" => !model.memory.is_empty(),
         "clock_numbers" => !model.clocks.is_empty(),
+        "start_condition_speeds" => !program.start_condition_speeds().is_empty(),
         _ => true,
     };
     for (of, names) in [("Equations", EQUATIONS), ("Mechanism", RUNS)] {
