@@ -10,9 +10,6 @@ use crate::mechanism::sliding::return_to_surfaces;
 
 /// So many steps in a row whose dense output stability makes poor are no chance.
 const POOR: u32 = 3;
-/// By so much less counts a rate that limited earlier steps, with each step that does not show it: where the motion goes slowly, and steps are long,
-/// differences of stages are rounding, or those of what is slow.
-const FORGOTTEN: f64 = 0.9;
 
 impl Integration {
     /// Tries steps until one is good.
@@ -81,7 +78,7 @@ impl Integration {
                         // Dense output makes other stages in the place of these.
                         self.step_times_rate = self.stepper.stiffness(h, self.stiffness.least());
                         if !reports {
-                            self.limiting_rate = (self.step_times_rate / h).max(FORGOTTEN * self.limiting_rate);
+                            self.limiting_rate = self.step_times_rate / h;
                         }
                         self.look_for_jumps(system, step)?;
                         self.held_steps = if error >= self.control.growing() { self.held_steps + 1 } else { 0 };

@@ -69,7 +69,7 @@ impl Integration {
         locator: &mut Option<Box<EventLocator>>,
         recorder: &Recorder,
     ) -> Result<(Step, bool), Box<Cause>> {
-        let (mut retries, mut defective, mut cut) = (0, Vec::new(), most.is_finite());
+        let (mut retries, mut defective) = (0, Vec::new());
         loop {
             let step = self.attempt(system, stop, most, locator)?;
             if retries == RETRIES {
@@ -79,7 +79,7 @@ impl Integration {
                 self.dense(system, step)?;
                 return Ok((step, true));
             }
-            if cut {
+            if most.is_finite() {
                 // Shorter steps that follow one cut before a feature say nothing about the acceleration.
                 self.jumps.restart();
             }
@@ -111,7 +111,7 @@ impl Integration {
             } else if has_no_feature {
                 return Ok((step, true));
             } else if let Some(shorter) = self.cut(system, step, locator) {
-                (most, cut) = (shorter, true);
+                most = shorter;
                 self.jumps.restart();
             } else {
                 self.meets(system, step, locator)?;
@@ -186,29 +186,26 @@ impl Integration {
         if self.stepper.damps() {
             return self.interpolates_worse(system, step);
         }
-        if step.h <= self.defect.unmended {
+        // Where stability limits the step, dense output is poor and says nothing.
+        if self.step_times_rate > self.stiffness.least() || step.h <= self.defect.unmended {
             return None;
         }
-        // Beyond the limit of stability ends may be good, and what is between them is off by the defect over h|λ|.
-        let h_lambda = step.h * self.limiting_rate;
-        let limited = h_lambda > self.stiffness.limit();
-        let most = if limited { Defect::REPEATED * h_lambda } else { Defect::MOST };
         // An evaluation more is dear to a method whose steps have few: its long steps only.
         let short = step.h < 0.5 * self.defect.longest;
         self.defect.longest = self.defect.longest.max(step.h);
-        if short && !limited && self.stepper.dense_is_free() {
+        if short && self.stepper.dense_is_free() {
             return None;
         }
         let theta = self.defect.place();
         let defect = self.defect(system, step, theta);
         let mut size = self.in_units(step, &defect);
-        if size > most {
-            self.forgive_noise(system, step, &defect, most);
+        if size > Defect::MOST {
+            self.forgive_noise(system, step, &defect, Defect::MOST);
             size = self.in_units(step, &defect);
         }
         self.defect.slope = defect;
         // A state that has no accelerations is for the error test to judge, in a shorter step.
-        (size.is_nan() || size > most).then_some(0.5 * step.h)
+        (size.is_nan() || size > Defect::MOST).then_some(0.5 * step.h)
     }
 
     /// How long a step of an implicit method is to be instead, s, the dense output of which is off by more than the tolerance.

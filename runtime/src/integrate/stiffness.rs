@@ -16,11 +16,6 @@ impl StiffnessDetector {
         StiffnessDetector { limit, near: 0, away: 0 }
     }
 
-    /// What h|λ| is at about the limit of stability.
-    pub fn limit(&self) -> f64 {
-        self.limit
-    }
-
     /// What h|λ| says something from: the dense output of such steps is poor.
     pub fn least(&self) -> f64 {
         0.25 * self.limit
