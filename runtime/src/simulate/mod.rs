@@ -279,7 +279,14 @@ fn set_up(system: &mut dyn System, settings: &Settings) -> Vec<f64> {
 /// What is known of a start at this guess, of which these values are held.
 fn start_of<'a>(settings: &'a Settings, guess: &'a [f64], held: &'a [bool]) -> constrain::Start<'a> {
     let start_conditions = settings.start_conditions.clone();
-    constrain::Start { t: settings.from, y: guess, held, spins: &settings.spins, start_conditions }
+    constrain::Start {
+        t: settings.from,
+        until: settings.until,
+        y: guess,
+        held,
+        spins: &settings.spins,
+        start_conditions,
+    }
 }
 
 /// Refuses settings that the mechanism itself refutes.

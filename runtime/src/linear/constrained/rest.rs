@@ -178,8 +178,10 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
     pub fn closed_near(&mut self, guess: &[f64]) -> Result<Vec<f64>, LinearError> {
         let (start, zero) = ([guess, &vec![0.0; self.n]].concat(), vec![0.0; self.n]);
         let held = vec![false; 2 * self.n];
-        let closed =
-            consistent(self.system, &Start { t: 0.0, y: &start, held: &held, spins: &[], start_conditions: 0..0 });
+        let closed = consistent(
+            self.system,
+            &Start { t: 0.0, until: 0.0, y: &start, held: &held, spins: &[], start_conditions: 0..0 },
+        );
         let q = closed.map(|y| y[..self.n].to_vec()).map_err(|_| self.nowhere(&self.state(guess, &zero), 0))?;
         self.hold(&q);
         Ok(q)

@@ -230,9 +230,11 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         let still = vec![0.0; n];
         let start = [place.as_slice(), &still].concat();
         let held = vec![false; 2 * n];
-        let closed =
-            consistent(self.system, &Start { t: 0.0, y: &start, held: &held, spins: &[], start_conditions: 0..0 })
-                .ok()?;
+        let closed = consistent(
+            self.system,
+            &Start { t: 0.0, until: 0.0, y: &start, held: &held, spins: &[], start_conditions: 0..0 },
+        )
+        .ok()?;
         let mut state = State { t: 0.0, q: closed[..n].to_vec(), v, a: still, lambda, turn: None };
         let jacobian = self.jacobian(&state);
         let without = |x: &mut Vec<f64>, missed: Vec<f64>| -> Option<()> {
