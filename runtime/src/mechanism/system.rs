@@ -429,7 +429,7 @@ pub trait System: Send + Sync {
         let _ = values;
     }
 
-    /// The power series of the motion by statements written out, where there are some: [`Equations::expansion`](super::Equations::expansion).
+    /// The power series of the motion by statements written out, where there are some.
     #[doc(hidden)]
     fn expansion(&self, t: f64, unit: f64, state: &mut [[f64; 21]]) -> bool {
         let _ = (t, unit, state);
