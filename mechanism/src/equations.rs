@@ -2,6 +2,7 @@
 
 use super::contacts::NO_CONTACTS;
 use super::sampling::NO_SAMPLING;
+use super::series::SERIES_TERMS;
 use super::{Contacts, Description, Gimbal, Noise, Real, Sampling, Series, SingularMass, Table2d};
 
 /// A block of scalars of a size that only generated code knows: an array `[S; K]`.
@@ -89,7 +90,7 @@ pub trait Equations<const N: usize, const C: usize>: Clone + Send + Sync {
     /// The power series of the motion at a state, time in a unit: of each coordinate, then of each speed, all orders, where those of order 0 are given.
     /// Whether there is such code and M is well conditioned: else the recurrences tell the same.
     #[doc(hidden)]
-    fn expansion(c: &Self::Constants<f64>, u: &[f64], t: f64, unit: f64, state: &mut [[f64; 21]]) -> bool {
+    fn expansion(c: &Self::Constants<f64>, u: &[f64], t: f64, unit: f64, state: &mut [[f64; SERIES_TERMS]]) -> bool {
         let _ = (c, u, t, unit, state);
         false
     }

@@ -73,7 +73,7 @@ pub use runs::{Mechanism, Scene, Spin};
 pub use sampling::NO_SAMPLING;
 pub use sampling::{Clock, Sampling, Target, Trigger};
 #[doc(hidden)]
-pub use series::{Place, Recurrence, Series};
+pub use series::{Place, Recurrence, SERIES_TERMS, Series};
 pub use solve::SingularMass;
 #[doc(hidden)]
 pub use solve::{factor_packed, solve_packed, solve_packed_slice, substitute_back, substitute_forward};

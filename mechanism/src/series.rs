@@ -2,6 +2,11 @@
 
 use super::List;
 
+/// How many coefficients a series has of each quantity, orders 0 to 20.  The work of a step grows with the square of the order, its length tends to the
+/// radius of convergence: unrolled prototypes of four scenes cost the same within a tenth with three orders more or fewer than the best, which was 14 to 24
+/// at tolerances from 10⁻⁹ to 10⁻¹⁶.
+pub const SERIES_TERMS: usize = 21;
+
 /// How the coefficients of M, h, J and γ follow from those of the motion: rows of coefficients, each made of others.
 ///
 /// Source: R. E. Moore, Interval Analysis (1966), chapter 11; A. Jorba, M. Zou, Experimental Mathematics 14 (2005) 99, proposition 2.1.

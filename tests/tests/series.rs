@@ -9,91 +9,69 @@ dalembert::model!("../models/double_pendulum.yaml", name = DoublePendulum, metho
 dalembert::model!("../models/central_force.yaml", name = CentralForce, methods = "taylor");
 dalembert::model!("../models/double_pendulum.yaml", name = Data, methods = "taylor as data");
 
-dalembert::model!(
-    yaml = r#"
+/// A compiled model and its text.
+macro_rules! model_of {
+    ($name:ident, $text:ident, $yaml:tt) => {
+        dalembert::model!(yaml = $yaml, name = $name, methods = "taylor");
+        const $text: &str = $yaml;
+    };
+}
+
+model_of!(
+    Turned,
+    TURNED,
+    r#"
 name: Turned
 coordinates: {x: 1}
 kinetic_energy: (1 + x^2/9)*x'^2/2
 generalized_forces: {x: "-x - 0.1*(tan(x/4) + atan(x) + asin(x/9))"}
 scene: {start: {x: 0.7}, until: 5}
-"#,
-    methods = "taylor"
+"#
 );
-const TURNED: &str = r#"
-name: Turned
-coordinates: {x: 1}
-kinetic_energy: (1 + x^2/9)*x'^2/2
-generalized_forces: {x: "-x - 0.1*(tan(x/4) + atan(x) + asin(x/9))"}
-scene: {start: {x: 0.7}, until: 5}
-"#;
-dalembert::model!(
-    yaml = r#"
+model_of!(
+    Risen,
+    RISEN,
+    r#"
 name: Risen
 coordinates: {x: 1}
 kinetic_energy: (1 + x^2/9)*x'^2/2
 generalized_forces: {x: "-x - 0.1*(tanh(x) + ln(2 + x^2) + (1 + x^2)^1.7)"}
 scene: {start: {x: 0.7}, until: 5}
-"#,
-    methods = "taylor"
+"#
 );
-const RISEN: &str = r#"
-name: Risen
-coordinates: {x: 1}
-kinetic_energy: (1 + x^2/9)*x'^2/2
-generalized_forces: {x: "-x - 0.1*(tanh(x) + ln(2 + x^2) + (1 + x^2)^1.7)"}
-scene: {start: {x: 0.7}, until: 5}
-"#;
-dalembert::model!(
-    yaml = r#"
+model_of!(
+    Waved,
+    WAVED,
+    r#"
 name: Waved
 coordinates: {x: 1}
 kinetic_energy: (1 + x^2/9)*x'^2/2
 generalized_forces: {x: "-x - 0.1*(sinh(x/3) + exp(-x^2) + cos(t)/(3 + sin(t)))"}
 scene: {start: {x: 0.7}, until: 5}
-"#,
-    methods = "taylor"
+"#
 );
-const WAVED: &str = r#"
-name: Waved
-coordinates: {x: 1}
-kinetic_energy: (1 + x^2/9)*x'^2/2
-generalized_forces: {x: "-x - 0.1*(sinh(x/3) + exp(-x^2) + cos(t)/(3 + sin(t)))"}
-scene: {start: {x: 0.7}, until: 5}
-"#;
-dalembert::model!(
-    yaml = r#"
+model_of!(
+    Rooted,
+    ROOTED,
+    r#"
 name: Rooted
 coordinates: {x: 1}
 kinetic_energy: (1 + x^2/9)*x'^2/2
 generalized_forces: {x: "-x - 0.1*(acos(x/9) + sqrt(1 + x^2)*cosh(x/2))"}
 scene: {start: {x: 0.7}, until: 5}
-"#,
-    methods = "taylor"
+"#
 );
-const ROOTED: &str = r#"
-name: Rooted
-coordinates: {x: 1}
-kinetic_energy: (1 + x^2/9)*x'^2/2
-generalized_forces: {x: "-x - 0.1*(acos(x/9) + sqrt(1 + x^2)*cosh(x/2))"}
-scene: {start: {x: 0.7}, until: 5}
-"#;
-dalembert::model!(
-    yaml = r#"
+model_of!(
+    Turning,
+    TURNING,
+    r#"
 name: Turning
 coordinates: {x: 1, y: 1}
 kinetic_energy: (x'^2 + 2*y'^2 + x'*y'*cos(x - y))/2
 generalized_forces: {x: "-x - 0.1*atan2(y, 3 + x^2)", y: "-y + 0.2*x/(2 + y^2)"}
 scene: {start: {x: 0.7, y: -0.4}, until: 5}
-"#,
-    methods = "taylor"
+"#
 );
-const TURNING: &str = r#"
-name: Turning
-coordinates: {x: 1, y: 1}
-kinetic_energy: (x'^2 + 2*y'^2 + x'*y'*cos(x - y))/2
-generalized_forces: {x: "-x - 0.1*atan2(y, 3 + x^2)", y: "-y + 0.2*x/(2 + y^2)"}
-scene: {start: {x: 0.7, y: -0.4}, until: 5}
-"#;
 
 /// Whether the state's series is written out, and is finite.
 fn is_written<M: Mechanism<N, C> + Default, const N: usize, const C: usize>() -> bool {

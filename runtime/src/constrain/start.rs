@@ -23,8 +23,8 @@ pub(crate) struct Start<'a> {
     pub y: &'a [f64],
     /// Which of [q; q'] keep their values.
     pub held: &'a [bool],
-    /// The end of the run, s: its times are known to their rounding, so that what moves with time is at a state that came from one of them.
-    pub until: f64,
+    /// The latest time at which a run may have reached this state, s: what moves with time was there as it is now, but for the rounding of that time.
+    pub reached: f64,
     /// Angular velocities among what is held, whose rates follow from the attitude.
     pub spins: &'a [KeptSpin],
     /// Which of the mechanism's other equations of the start are to be met.
@@ -97,8 +97,7 @@ enum Steps {
 pub(super) struct Closing<'a, S: System + ?Sized> {
     pub system: &'a S,
     pub t: f64,
-    /// The latest time of the run, s.
-    latest: f64,
+    reached: f64,
     pub n: usize,
     guess: &'a [f64],
     pub held: &'a [bool],
@@ -124,7 +123,7 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
             conditions,
             system,
             t: start.t,
-            latest: if start.until.is_finite() { start.t.abs().max(start.until.abs()) } else { start.t.abs() },
+            reached: start.reached,
             n,
             guess: start.y,
             held: start.held,
@@ -168,7 +167,7 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
         let nothing = jacobian * self.sizes(y).rows(0, self.n) * SECOND_ROUNDING;
         // What moves with time by itself is known as well as time is.
         let still = [&y[..self.n], &vec![0.0; self.n]].concat();
-        let (own, late) = (self.triples(&still), ROUNDING * self.latest);
+        let (own, late) = (self.triples(&still), ROUNDING * self.reached);
         let of = |k: usize| {
             let known = (MISSED * triples[rows[k]][2].max(by_place[k])).max(nothing[k]);
             known.max(rounding_of_parameters(self.system, rows[k])).max(late * own[rows[k]][1].abs())

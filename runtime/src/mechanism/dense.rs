@@ -17,8 +17,9 @@ pub(crate) fn mass_matrix<S: System + ?Sized>(system: &S, at: At<'_>) -> DMatrix
     mass
 }
 
-/// Speeds that are none beside any other, SI, and what they make of a slope that vanishes with them at the most.
+/// Speeds that are none beside any other, SI; their squares are numbers still.
 const SLOW: f64 = 1e-100;
+/// A slope that such speeds leave below this vanishes with them: half of their decades are for what it is multiplied with.
 const GONE_WITH_SPEED: f64 = 1e-50;
 /// Slopes that are alike in several directions are so to this part of themselves.
 const SAME_SLOPE: f64 = 1e-9;

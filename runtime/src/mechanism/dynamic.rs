@@ -6,7 +6,7 @@ use super::phased::{Phased, RowHistory, shared_by_systems, sprung};
 use super::system::Replaced;
 use super::{
     Along, At, Contacts, Description, Energy, Enforcement, Function, Gimbal, Mechanism, Motion, MotionNumbers, Noise,
-    Sampling, Scene, Series, Signal, Singular, System, Values, sliding,
+    SERIES_TERMS, Sampling, Scene, Series, Signal, Singular, System, Values, sliding,
 };
 use crate::cause::NoSeries;
 
@@ -427,7 +427,7 @@ impl<M: Mechanism<N, C> + 'static, const N: usize, const C: usize> System for Dy
         M::series_constants(&self.constants, 0.0, self.input_block(0.0).as_ref(), values);
     }
 
-    fn expansion(&self, t: f64, unit: f64, state: &mut [[f64; 21]]) -> bool {
+    fn expansion(&self, t: f64, unit: f64, state: &mut [[f64; SERIES_TERMS]]) -> bool {
         M::expansion(&self.constants, self.input_block(0.0).as_ref(), t, unit, state)
     }
 

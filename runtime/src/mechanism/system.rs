@@ -3,8 +3,8 @@
 use super::NO_CONTACTS;
 use super::NO_SAMPLING;
 use super::{
-    At, Contacts, Description, Energy, Enforcement, Gimbal, Motion, MotionNumbers, Noise, RowHistory, Sampling, Scene,
-    Series, Singular,
+    At, Contacts, Description, Energy, Enforcement, Gimbal, Motion, MotionNumbers, Noise, RowHistory, SERIES_TERMS,
+    Sampling, Scene, Series, Singular,
 };
 use crate::cause::NoSeries;
 
@@ -431,7 +431,7 @@ pub trait System: Send + Sync {
 
     /// The power series of the motion by statements written out, where there are some.
     #[doc(hidden)]
-    fn expansion(&self, t: f64, unit: f64, state: &mut [[f64; 21]]) -> bool {
+    fn expansion(&self, t: f64, unit: f64, state: &mut [[f64; SERIES_TERMS]]) -> bool {
         let _ = (t, unit, state);
         false
     }

@@ -281,7 +281,7 @@ fn start_of<'a>(settings: &'a Settings, guess: &'a [f64], held: &'a [bool]) -> c
     let start_conditions = settings.start_conditions.clone();
     constrain::Start {
         t: settings.from,
-        until: settings.until,
+        reached: settings.reached.max(settings.from.abs()),
         y: guess,
         held,
         spins: &settings.spins,

@@ -37,6 +37,8 @@ pub struct Settings {
     pub start_conditions: std::ops::Range<usize>,
     /// Angular velocities that stay what they are wherever the start finds the attitude.
     pub(crate) spins: Vec<KeptSpin>,
+    /// The latest time at which a run has reached the start, s, before it was brought here by whole periods; 0 of one that was given.
+    pub(crate) reached: f64,
     /// Whether the values that are not held were chosen; else the run says so where they decide how a mechanism is put together.
     pub guessed: bool,
     /// The phase in which the run begins, by its place.
@@ -137,6 +139,7 @@ impl Settings {
             held_v: scene.held_v.clone(),
             spins: KeptSpin::of_scene(scene),
             start_conditions: scene.start_conditions.clone(),
+            reached: 0.0,
             guessed: scene.guessed,
             phase: scene.phase,
             memory: None,
@@ -212,8 +215,9 @@ impl Settings {
         }
     }
 
-    /// Begins in a state [q; q'], all of which is held.
+    /// Begins in a state [q; q'], all of which is held, that a run of these settings has reached.
     pub(crate) fn begin_in(&mut self, y: &[f64]) {
+        self.reached = self.reached.max(self.until.abs());
         let (q, v) = y.split_at(y.len() / 2);
         (self.q, self.v) = (q.to_vec(), v.to_vec());
         (self.held_q, self.held_v, self.spins, self.start_conditions) = (Vec::new(), Vec::new(), Vec::new(), 0..0);

@@ -69,6 +69,16 @@ impl Slopes {
         let column = self.names.iter().position(|known| known == name)?;
         self.values.get(time)?.get(unknown)?.get(column).copied()
     }
+
+    /// How rows that depend on each other share a force is a rule, and not an equation whose slope is known.
+    fn forget_shares(&mut self, system: &dyn System) {
+        let n = system.len();
+        let Some(last) = self.run.len().checked_sub(1) else { return };
+        let shared = not_unique(system, self.run.times[last], &self.run.rows[2 * n * last..][..2 * n]);
+        for values in self.values.iter_mut().flatten() {
+            shared.iter().for_each(|output| values[2 * n + output] = Slope { value: f64::NAN, error: f64::NAN });
+        }
+    }
 }
 
 impl<S: System> Simulation<S> {
@@ -122,18 +132,6 @@ pub(crate) fn run_with_slopes(
     let mut slopes = fine.beside(other.as_ref(), unknowns, Names::of(system.description()).columns());
     slopes.forget_shares(system);
     Ok(slopes)
-}
-
-impl Slopes {
-    /// How rows that depend on each other share a force is a rule, and not an equation whose slope is known.
-    fn forget_shares(&mut self, system: &dyn System) {
-        let n = system.len();
-        let Some(last) = self.run.len().checked_sub(1) else { return };
-        let shared = not_unique(system, self.run.times[last], &self.run.rows[2 * n * last..][..2 * n]);
-        for values in self.values.iter_mut().flatten() {
-            shared.iter().for_each(|output| values[2 * n + output] = Slope { value: f64::NAN, error: f64::NAN });
-        }
-    }
 }
 
 fn may_be_varied(system: &dyn System, settings: &Settings) -> Result<(), NoSlopes> {

@@ -106,13 +106,7 @@ fn a_motion_that_a_share_decides_is_one_of_several() {
 /// How guides of which there are too many share a weight is a rule: what the slope of a share is no equation says, and none is told.
 #[test]
 fn shares_have_no_slopes() {
-    let text = "name: Tray\nparameters: {m: 2 kg, g: 9.81 m/s^2, k: 1 N/m, l1: 0.5 m, l2: 0.2 m, l3: 0.7 m}\n\
-                coordinates: {x: m, y: m, th: rad}\npoints: {c: '[x, y]'}\n\
-                bodies: {b: {mass: m, inertia: 0.3, angle: th, position: c}}\ngravity: [0, -g]\n\
-                constraints: {p1: '(c - l1*b.x).y', p2: '(c + l2*b.x).y', p3: '(c + l3*b.x).y'}\n\
-                springs: {s: {stretch: x, stiffness: k, on: b, along: ground.x}}\n\
-                outputs: {one: reaction(p1), all: reaction(p1) + reaction(p2) + reaction(p3)}\nscene: {start: {x: 5}, until: 1, tolerance: 1e-9}\n";
-    let slopes = simulation(text).slopes(&["g"]).expect("slopes");
+    let slopes = simulation(&text_of("tray")).slopes(&["g"]).expect("slopes");
     assert!(slopes.get("one", "g").is_some_and(|slope| slope.value.is_nan()));
     // The guides carry m g together.
     assert!(

@@ -38,7 +38,7 @@ pub(super) fn expansion(series: &Series, n: usize) -> Option<String> {
         return None;
     }
     let mut writer = Writer::new(series, n);
-    writer.solver();
+    writer.begin();
     for k in 0..ORDER {
         writer.rows(k);
         if k == 0 {
@@ -111,7 +111,7 @@ impl<'a> Writer<'a> {
     }
 
     /// The coefficients of the state at order 0, and the unit of time divided by each order.
-    fn solver(&mut self) {
+    fn begin(&mut self) {
         for i in 0..self.n {
             let _ = writeln!(self.out, "        let (q{i}_0, v{i}_0) = (state[{i}][0], state[{}][0]);", self.n + i);
         }

@@ -1,11 +1,11 @@
 //! A power series between the ends of a step.
 
-use super::expansion::WIDTH;
+use crate::mechanism::SERIES_TERMS;
 
 /// Brings Σ cₖ θᵏ, which adds `change` from θ = 0 to 1, to the nested form of [`crate::integrate::Segment`], `stride` numbers apart: what stands inside
 /// the brackets is divided by θ and by 1 − θ in turn.
-pub(super) fn nest(mut c: [f64; WIDTH], change: f64, stride: usize, pieces: &mut [f64]) {
-    let mut left = WIDTH;
+pub(super) fn nest(mut c: [f64; SERIES_TERMS], change: f64, stride: usize, pieces: &mut [f64]) {
+    let mut left = SERIES_TERMS;
     for (piece, out) in pieces.iter_mut().step_by(stride).enumerate() {
         let rest = &mut c[..left];
         if piece % 2 == 0 {

@@ -2,10 +2,7 @@
 
 use super::ORDER;
 use crate::integrate::StepFailure;
-use crate::mechanism::{At, Jets, KktSolver, MotionJets, Place, Series, System, dot};
-
-/// Numbers for each quantity: orders 0 to [`ORDER`].
-pub(super) const WIDTH: usize = ORDER + 1;
+use crate::mechanism::{At, Jets, KktSolver, MotionJets, Place, SERIES_TERMS, Series, System, dot};
 
 /// Coefficients of q and q' in a unit of time τ: q(t + θτ) = Σ qₖ θᵏ.
 ///
@@ -19,7 +16,7 @@ pub(super) struct Expansion {
     /// τ, s.
     pub unit: f64,
     /// Of q, then of q'.
-    pub state: Vec<[f64; WIDTH]>,
+    pub state: Vec<[f64; SERIES_TERMS]>,
     jets: Jets,
     constants: Vec<f64>,
     kkt: KktSolver,
@@ -37,11 +34,11 @@ impl Expansion {
         Expansion {
             n,
             unit: 1.0,
-            state: vec![[0.0; WIDTH]; 2 * n],
+            state: vec![[0.0; SERIES_TERMS]; 2 * n],
             jets: Jets::default(),
             constants: Vec::new(),
             kkt: KktSolver::default(),
-            accelerations: vec![0.0; n * WIDTH],
+            accelerations: vec![0.0; n * SERIES_TERMS],
             multipliers: Vec::new(),
             forces: vec![0.0; n],
             bends: Vec::new(),
@@ -69,10 +66,10 @@ impl Expansion {
         self.kkt.factor(system, At::packed(t, y, n))?;
         self.factorizations += 1;
         let rows = self.kkt.active().len();
-        self.multipliers.resize(rows * WIDTH, 0.0);
+        self.multipliers.resize(rows * SERIES_TERMS, 0.0);
         self.bends.resize(rows, 0.0);
         for k in 0..ORDER {
-            let motion = MotionJets { t, unit, state: self.state.as_flattened(), width: WIDTH, n };
+            let motion = MotionJets { t, unit, state: self.state.as_flattened(), width: SERIES_TERMS, n };
             self.jets.extend(series, &self.constants, motion, k);
             self.next(series, k);
         }
@@ -94,7 +91,7 @@ impl Expansion {
         // What stands at lower orders of the unknowns: Σ xⱼ aₖ₋ⱼ over 0 < j ≤ k.
         let later = |x: Place, list: &[f64], i: usize| match x {
             Place::Row(row) => {
-                let from = i * WIDTH + ORDER - k;
+                let from = i * SERIES_TERMS + ORDER - k;
                 dot(&self.jets.row(row)[1..=k], &list[from + 1..=from + k])
             }
             Place::Constant(_) => 0.0,
@@ -118,12 +115,12 @@ impl Expansion {
         self.kkt.solve_exactly(forces, bends);
         let order = (k + 1) as f64;
         for (i, acceleration) in forces.iter().enumerate() {
-            self.accelerations[i * WIDTH + ORDER - k] = *acceleration;
+            self.accelerations[i * SERIES_TERMS + ORDER - k] = *acceleration;
             self.state[n + i][k + 1] = self.unit * acceleration / order;
             self.state[i][k + 1] = self.unit * self.state[n + i][k] / order;
         }
         for (r, multiplier) in bends.iter().enumerate() {
-            self.multipliers[r * WIDTH + ORDER - k] = *multiplier;
+            self.multipliers[r * SERIES_TERMS + ORDER - k] = *multiplier;
         }
     }
 
@@ -133,7 +130,7 @@ impl Expansion {
     }
 
     /// A quantity's coefficients.
-    pub fn of(&self, i: usize) -> &[f64; WIDTH] {
+    pub fn of(&self, i: usize) -> &[f64; SERIES_TERMS] {
         &self.state[i]
     }
 }

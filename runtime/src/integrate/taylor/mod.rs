@@ -7,8 +7,9 @@ mod dense;
 mod expansion;
 mod step;
 
+use crate::mechanism::SERIES_TERMS;
+
 pub(super) use step::Taylor;
 
-/// The order.  The work of a step grows with its square, its length tends to the radius of convergence: unrolled prototypes of four scenes cost
-/// the same within a tenth with three orders more or fewer than the best, which was 14 to 24 at tolerances from 10⁻⁹ to 10⁻¹⁶.
-pub(super) const ORDER: usize = 20;
+/// The order.
+pub(super) const ORDER: usize = SERIES_TERMS - 1;

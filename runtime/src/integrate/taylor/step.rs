@@ -2,11 +2,11 @@
 
 use super::ORDER;
 use super::dense::nest;
-use super::expansion::{Expansion, WIDTH};
+use super::expansion::Expansion;
 use crate::integrate::ends::{Ends, between_ends};
 use crate::integrate::{Control, Counters, Endpoint, OneStep, Segment, StepFailure, Tolerance, Trial};
 use crate::mechanism::dense::ROUNDING;
-use crate::mechanism::{At, System};
+use crate::mechanism::{At, SERIES_TERMS, System};
 
 /// A step that is refused costs a few sums, and its length is known from the series: there is little to be careful about.
 const CONTROL: Control = Control {
@@ -59,7 +59,7 @@ impl Taylor {
             tried: (0.0, 0.0),
             concluded: false,
             errors: vec![0.0; 2 * n],
-            pieces: vec![0.0; 2 * n * WIDTH],
+            pieces: vec![0.0; 2 * n * SERIES_TERMS],
             between: vec![0.0; 2 * n],
             evaluations: 0,
         }
@@ -194,7 +194,7 @@ impl OneStep for Taylor {
         let theta = h / self.expansion.unit;
         for i in 0..width {
             let mut power = 1.0;
-            let mut c = [0.0; WIDTH];
+            let mut c = [0.0; SERIES_TERMS];
             for (c, coefficient) in c.iter_mut().zip(self.expansion.of(i)) {
                 *c = coefficient * power;
                 power *= theta;

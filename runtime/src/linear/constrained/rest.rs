@@ -180,7 +180,7 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         let held = vec![false; 2 * self.n];
         let closed = consistent(
             self.system,
-            &Start { t: 0.0, until: 0.0, y: &start, held: &held, spins: &[], start_conditions: 0..0 },
+            &Start { t: 0.0, reached: 0.0, y: &start, held: &held, spins: &[], start_conditions: 0..0 },
         );
         let q = closed.map(|y| y[..self.n].to_vec()).map_err(|_| self.nowhere(&self.state(guess, &zero), 0))?;
         self.hold(&q);

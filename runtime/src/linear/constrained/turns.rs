@@ -232,7 +232,7 @@ impl<S: System + ?Sized> ConstrainedState<'_, S> {
         let held = vec![false; 2 * n];
         let closed = consistent(
             self.system,
-            &Start { t: 0.0, until: 0.0, y: &start, held: &held, spins: &[], start_conditions: 0..0 },
+            &Start { t: 0.0, reached: 0.0, y: &start, held: &held, spins: &[], start_conditions: 0..0 },
         )
         .ok()?;
         let mut state = State { t: 0.0, q: closed[..n].to_vec(), v, a: still, lambda, turn: None };

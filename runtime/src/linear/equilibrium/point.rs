@@ -231,7 +231,8 @@ impl LinearisationPoint {
         };
         let numbers: Vec<f64> = self.units().into_iter().zip(q).map(number).collect();
         for (matrix, state) in [(stiffness, &numbers), (damping, &self.v)] {
-            for (row, column, value) in &matrix.entries {
+            // What rests has no part in it, whether or not there is a slope.
+            for (row, column, value) in matrix.entries.iter().filter(|entry| state[entry.1 as usize] != 0.0) {
                 sums[*row as usize] += (value * state[*column as usize]).abs();
             }
         }
