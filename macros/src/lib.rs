@@ -26,7 +26,7 @@ use proc_macro::TokenStream;
 /// ```
 ///
 /// `methods = "taylor"` adds the power series of the motion, which `Method::Taylor` needs: by recurrences as data and, of a small model without
-/// constraints, by statements, which are some ten times as fast and take the compiler a second; `"taylor as data"` has the recurrences alone:
+/// constraints, by statements, which are two to three times as fast and more for the compiler; `"taylor as data"` has the recurrences alone:
 ///
 /// ```ignore
 /// dalembert::model!("models/double_pendulum.yaml", methods = "taylor");
