@@ -94,12 +94,15 @@ pub fn start(loaded: &Loaded, reader: &mut Reader, path: &str, settings: &mut Se
                     Some(of) => (1, of),
                     None => (0, within(name, "least").unwrap_or_default()),
                 };
-                let (place_in_list, sets) = match place_in_state(loaded, of)? {
-                    Place::Coordinate(index) => (index, Sets::Coordinate(index)),
-                    Place::Speed(index) => (settings.q.len() + index, Sets::Speed(index)),
-                };
+                let (index, sets) = in_state(loaded, of, settings.q.len())?;
                 let value = reader.value_at(loaded, &place, sets, &text)?;
-                resumed(settings).seen[most][place_in_list] = value;
+                resumed(settings).seen[most][index] = value;
+            }
+            name if within(name, "error").is_some() => {
+                let (index, sets) = in_state(loaded, within(name, "error").unwrap_or_default(), settings.q.len())?;
+                let value: f64 = reader.value_at(loaded, &place, sets, &text)?;
+                let unknown = vec![0.0; 2 * settings.q.len()];
+                settings.start_errors.get_or_insert(unknown)[index] = value.abs();
             }
             name if within(name, "next").is_some() => {
                 let event = within(name, "next").unwrap_or_default();
@@ -135,7 +138,16 @@ pub fn start(loaded: &Loaded, reader: &mut Reader, path: &str, settings: &mut Se
     Ok(())
 }
 
-/// NAME of `word(NAME)`: `next(EVENT)` is the number of an event's next tick, `least(theta)` and `most(theta)` what there was so far.
+/// The place of a coordinate or rate in [q; q'] of n coordinates, and what a value there sets.
+fn in_state(loaded: &Loaded, name: &str, n: usize) -> Result<(usize, Sets), Problem> {
+    Ok(match place_in_state(loaded, name)? {
+        Place::Coordinate(index) => (index, Sets::Coordinate(index)),
+        Place::Speed(index) => (n + index, Sets::Speed(index)),
+    })
+}
+
+/// NAME of `word(NAME)`: `next(EVENT)` is the number of an event's next tick, `least(theta)` and `most(theta)` what there was so far, `error(theta)` a
+/// bound on the error of a value.
 fn within<'a>(name: &'a str, word: &str) -> Option<&'a str> {
     name.strip_prefix(word)?.strip_prefix('(')?.strip_suffix(')')
 }
@@ -161,6 +173,9 @@ fn clock_of(loaded: &Loaded, event: &str) -> Result<usize, Problem> {
 /// The last state of a run as such a file, with all digits of each number; its parameters that are not the file's own are told.
 pub fn state(run: &Run, changed: &[(String, f64)]) -> String {
     let mut text = written(run, (&run.last(), run.phases.last()), changed);
+    for (name, error) in run.last_errors() {
+        let _ = writeln!(text, "\"error({name})\": {error:.1e}");
+    }
     if run.sampling.is_empty() {
         return text;
     }

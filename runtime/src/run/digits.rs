@@ -418,6 +418,17 @@ impl Run {
         rows.get(rows.len().checked_sub(self.names.len())? + column).copied()
     }
 
+    /// Bounds on the errors of the last state, by the names of coordinates and rates; none where they were not estimated.  What is known of nothing is as
+    /// far off as its column goes.
+    #[cfg(feature = "cli")]
+    pub(crate) fn last_errors(&self) -> Vec<(String, f64)> {
+        let Some(digits) = &self.digits else { return Vec::new() };
+        let moving = self.column_names().into_iter().take(2 * self.names.coordinates.len()).enumerate();
+        let known =
+            moving.filter_map(|(column, name)| Some((name, self.last_error(column)?.min(digits.ranges[column]))));
+        known.filter(|(name, error)| *error > 0.0 && !name.starts_with(HIDDEN)).collect()
+    }
+
     /// The time until which digits of all coordinates can be promised, s: the end of the run if there is none without.
     ///
     /// `None` if the run was not told to estimate them.

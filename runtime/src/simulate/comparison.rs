@@ -412,7 +412,9 @@ fn alike(system: &mut dyn System, settings: &Settings, run: &Run) -> Settings {
         (largest, early) if early > 0.0 => largest.min(GROWN * early),
         (largest, _) => largest,
     };
-    let moves: Vec<f64> = (0..2 * n).map(|column| 0.5 * f64::EPSILON * MOVED * largest(column)).collect();
+    let own = |column: usize| settings.start_errors.as_ref().map_or(0.0, |errors| errors[column]);
+    let moves: Vec<f64> =
+        (0..2 * n).map(|column| own(column).max(0.5 * f64::EPSILON * MOVED * largest(column))).collect();
     for i in 0..n {
         // Moved in one sense they might only be shifted.
         let sign = if i % 2 == 0 { 1.0 } else { -1.0 };

@@ -104,6 +104,8 @@ pub struct Settings {
     pub(crate) ends_after: Option<usize>,
     /// What is known from the run that this one goes on.
     pub(crate) resumed: Option<Resumed>,
+    /// Bounds on the errors of the start, [q; q'], where another run led to it.
+    pub(crate) start_errors: Option<Vec<f64>>,
     /// What ends the run early from outside.
     pub(crate) interruption: Interruption,
 }
@@ -168,6 +170,7 @@ impl Settings {
             junctions: false,
             ends_after: None,
             resumed: None,
+            start_errors: None,
             interruption: Interruption::default(),
         }
     }

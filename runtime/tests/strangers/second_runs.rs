@@ -451,3 +451,26 @@ fn states_inside_steps_that_stability_limits_are_good() {
         assert!(off < 200.0 * tolerance * 11.0, "{tolerance}: {off:e}");
     }
 }
+
+/// A run that goes on from a saved state knows no more of it than the run that led there.
+#[test]
+fn what_follows_a_saved_state_has_its_errors() {
+    let folder = folder("saved_errors");
+    let (path, saved) = (folder.join("swing.yaml"), folder.join("saved.yaml"));
+    let [path, saved] = [&path, &saved].map(|path| path.to_str().expect("a path"));
+    let file = "name: Swing\nparameters: {g: 9.81 m/s^2, l: 1 m}\ncoordinates: {th: rad}\nkinetic_energy: l^2*th'^2/2\n\
+        potential_energy: -g*l*cos(th)\nscene: {start: {th: 2.5}, until: 4}\n";
+    std::fs::write(path, file).expect("a file");
+    let angle = |arguments: &[&str]| {
+        let told = program(&[&["simulate", path], arguments].concat()).expect("a run");
+        let line = told.lines().find(|line| line.starts_with("  th = ")).expect("the angle").to_owned();
+        line.split(' ').nth(4).expect("a number").to_owned()
+    };
+    angle(&["--until", "2", "--tolerance", "1e-4", "--save", saved]);
+    let told = angle(&["--state", saved, "--until", "4", "--tolerance", "1e-12"]);
+    let whole: f64 = angle(&["--tolerance", "1e-12"]).parse().expect("a number");
+    let decimals = told.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+    let unit = 0.1_f64.powi(i32::try_from(decimals).expect("few"));
+    assert!((told.parse::<f64>().expect("a number") - whole).abs() <= unit, "{told} for {whole}");
+    assert!((1..8).contains(&decimals), "{told}");
+}
