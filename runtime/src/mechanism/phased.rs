@@ -203,8 +203,11 @@ impl Phased {
             return Ok(());
         }
         self.accelerations_and_multipliers(system, at, a, lambda)?;
-        if self.enforcement == Enforcement::Multipliers {
-            self.form.lock().unwrap_or_else(PoisonError::into_inner).spread(system, lambda);
+        let mut form = self.form.lock().unwrap_or_else(PoisonError::into_inner);
+        match self.enforcement {
+            Enforcement::Multipliers => form.spread(system, lambda),
+            Enforcement::NullSpace if form.factor(system, at).is_ok() => form.spread(system, lambda),
+            Enforcement::NullSpace | Enforcement::Springs { .. } => {}
         }
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! Named reactions have all digits at every scale.
 
-use dalembert::Warning;
+use dalembert::{Enforcement, Warning};
 
 use super::{case, program, simulation, text_of};
 
@@ -114,4 +114,18 @@ fn shares_have_no_slopes() {
         "{:?}",
         slopes.get("all", "g")
     );
+}
+
+/// Rows that depend on each other share a force by one rule, whichever way the accelerations come.
+#[test]
+fn shares_by_the_null_space_are_those_by_multipliers() {
+    let by = |enforcement: Enforcement| {
+        let mut case = case(&text_of("tray"));
+        case.settings.enforcement = enforcement;
+        let run = case.run();
+        run.last()["one"]
+    };
+    let (by_multipliers, by_null_space) = (by(Enforcement::Multipliers), by(Enforcement::NullSpace));
+    assert!(by_multipliers.abs() > 0.1, "{by_multipliers}");
+    assert!((by_null_space - by_multipliers).abs() < 1e-9 * by_multipliers.abs(), "{by_null_space} {by_multipliers}");
 }
