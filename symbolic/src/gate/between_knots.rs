@@ -131,10 +131,39 @@ pub(super) fn pieces(table: Table) -> (Vec<(f64, f64)>, usize) {
     (places, more)
 }
 
+/// So many of the steepest pieces of a table are places where it says something.
+const STEEPEST: usize = 3;
+/// A piece says nothing whose values are below this part of the largest.
+const SILENT: f64 = 1e-3;
+
+/// The middles of the pieces at which a table says most, with how near will do; a piece that is 0 says nothing.
+pub(super) fn loudest(table: Table) -> Vec<(f64, f64)> {
+    let value = |x: f64| table.whole().at(DoubleDouble::from(x)).to_f64().abs();
+    let size = |(middle, near): &(f64, f64)| value(*middle).max(value(middle - near)).max(value(middle + near));
+    let mut places = pieces(table).0;
+    places.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    places.truncate(STEEPEST);
+    let largest = places.first().map_or(0.0, size);
+    places.retain(|place| size(place) >= SILENT * largest);
+    places
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::expr::Smooth;
+
+    #[test]
+    fn pieces_without_values_say_nothing() {
+        let gate = [[0.0, 0.0], [3.0, 0.0], [4.0, 1.0], [6.0, 0.0], [10.0, 0.0]];
+        let places: Vec<f64> =
+            loudest(Table::new("gate", &gate, Smooth::Once, false)).iter().map(|place| place.0).collect();
+        assert_eq!(places.len(), 2);
+        assert!(places.contains(&3.5) && places.contains(&5.0), "{places:?}");
+        // Values of both signs have a zero in the middle of their piece.
+        let odd = [[-1.0, -1.0], [1.0, 1.0]];
+        assert_eq!(loudest(Table::new("odd", &odd, Smooth::Zero, false)).len(), 3);
+    }
 
     #[test]
     fn a_narrow_piece_of_a_long_table_is_visited() {

@@ -2,7 +2,7 @@
 //! only one of them speaks.
 
 use super::arguments::{Argument, Points};
-use super::between_knots::pieces;
+use super::between_knots::loudest;
 use super::lines::{Line, Reach, moved};
 use super::motion::Motion;
 use super::near_switch::{ORDER_ONE, Sides, sampled};
@@ -17,8 +17,6 @@ const OF_TWO: usize = 2;
 const WORK: usize = 2_000_000;
 const LOOKS: usize = 200;
 const STATE: usize = 20;
-/// So many of the steepest pieces of a table are places where it says something.
-const STEEPEST: usize = 3;
 
 /// Looks from states where one function says something for such where another does too, along numbers on which the first does
 /// not depend.
@@ -34,13 +32,7 @@ pub(super) fn pairs(
     };
     let local = arguments.iter().filter(|argument| argument.fades);
     let local = local.map(|argument| (argument, vec![(0.0, ORDER_ONE)]));
-    let of_tables = tables.iter().map(|Points { table, argument }| {
-        let mut places = pieces(*table).0;
-        let value = |x: f64| table.whole().at(DoubleDouble::from(x)).to_f64().abs();
-        places.sort_by(|a, b| value(b.0).total_cmp(&value(a.0)));
-        places.truncate(STEEPEST);
-        (argument, places)
-    });
+    let of_tables = tables.iter().map(|Points { table, argument }| (argument, loudest(*table)));
     let speakers: Vec<(&Argument, Vec<(f64, f64)>)> = local.chain(of_tables).collect();
     let (mut kept, mut left) = (0, WORK);
     for (k, (first, of_first)) in speakers.iter().enumerate() {

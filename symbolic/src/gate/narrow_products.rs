@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::arguments::{Argument, argument, roots};
-use super::between_knots::pieces;
+use super::between_knots::loudest;
 use super::dense::solve;
 use super::lines::{Line, Reach};
 use super::listed;
@@ -19,8 +19,13 @@ const PRODUCTS: usize = 64;
 const TERMS: usize = 16;
 /// So many states, those at which most factors speak, are starts of Newton's method.
 const STARTS: usize = 12;
-/// So many of the steepest pieces of tables are aimed at.
-const STEEPEST: usize = 3;
+/// So many places of each factor are aimed at.
+const PLACES: usize = 3;
+/// So many products of nothing but steps are looked at, from so many starts: most of them are of sides that exclude each other.
+const STEPS: usize = 8;
+const STARTS_OF_STEPS: usize = 2;
+/// By this part of what is missing a step is aimed at beyond its zero.
+const BEYOND: f64 = 1e-3;
 /// Iterations of Newton's method: the zero of a square comes nearer by a half in each.
 const ITERATIONS: usize = 60;
 /// Steps of its difference quotients (in double-double), and its longest step, in scales of each number.
@@ -55,15 +60,17 @@ impl Factor {
         let targets = match kind {
             Kind::Local => vec![(0.0, ORDER_ONE)],
             Kind::Above => Vec::new(),
-            Kind::Table(table) => {
-                let mut places = pieces(table).0;
-                let size = |x: f64| table.whole().at(DoubleDouble::from(x)).to_f64().abs();
-                places.sort_by(|a, b| size(b.0).total_cmp(&size(a.0)));
-                places.truncate(STEEPEST);
-                places
-            }
+            Kind::Table(table) => loudest(table),
         };
         Factor { argument: argument(&model.graph, model, value, false), kind, targets }
+    }
+
+    /// The argument that is aimed at from one, the k-th of those at which the factor speaks.
+    fn target(&self, k: usize, here: f64) -> Option<f64> {
+        match self.kind {
+            Kind::Above => Some(here.max(-BEYOND * here)),
+            Kind::Local | Kind::Table(_) => Some(self.targets.get(k).or(self.targets.last())?.0),
+        }
     }
 
     fn speaks(&self, motion: &Motion, state: &State) -> bool {
@@ -79,6 +86,7 @@ pub(super) fn products(model: &Model, motion: &Motion, bases: &[State], reach: &
         found.unreached.push("some products of narrow functions were not looked at".to_owned());
     }
     for product in products {
+        let of_steps = is_of_steps(&product);
         let factors: Vec<Factor> = product.into_iter().map(|factor| Factor::new(model, factor)).collect();
         let speaking = |state: &&State| factors.iter().filter(|factor| factor.speaks(motion, state)).count();
         let mut starts: Vec<&State> = found.states.iter().chain(bases).collect();
@@ -87,8 +95,10 @@ pub(super) fn products(model: &Model, motion: &Motion, bases: &[State], reach: &
             continue;
         }
         let search = Search { motion, reach, factors: &factors };
-        match starts.into_iter().take(STARTS).find_map(|start| search.meet(start)) {
+        let count = if of_steps { STARTS_OF_STEPS } else { STARTS };
+        match starts.into_iter().take(count).find_map(|start| search.meet(start)) {
             Some(state) => found.states.push(state),
+            None if of_steps => {}
             None => {
                 let words: Vec<String> = factors.iter().map(|factor| format!("`{}`", factor.argument.words)).collect();
                 let words = listed(&words);
@@ -110,15 +120,14 @@ impl Search<'_> {
     fn meet(&self, start: &State) -> Option<State> {
         let (speaking, silent): (Vec<&Factor>, Vec<&Factor>) =
             self.factors.iter().partition(|factor| factor.speaks(self.motion, start));
-        let all: Vec<&Factor> = self.factors.iter().filter(|factor| factor.kind != Kind::Above).collect();
+        let all: Vec<&Factor> = self.factors.iter().collect();
         let kept: BTreeSet<Symbol> = speaking.iter().flat_map(|f| f.argument.symbols.iter().copied()).collect();
-        let silent: Vec<&Factor> = silent.into_iter().filter(|factor| factor.kind != Kind::Above).collect();
         let of = |factors: &[&Factor], kept: &BTreeSet<Symbol>| {
             let symbols: BTreeSet<Symbol> = factors.iter().flat_map(|f| f.argument.symbols.iter().copied()).collect();
             self.reach.lines(&symbols.difference(kept).copied().collect::<Vec<_>>())
         };
         let ways = [(of(&silent, &kept), &silent), (of(&all, &BTreeSet::new()), &all)];
-        let tries = ways.iter().flat_map(|way| (0..STEEPEST).map(move |k| (way, k)));
+        let tries = ways.iter().flat_map(|way| (0..PLACES).map(move |k| (way, k)));
         tries.into_iter().find_map(|((lines, factors), k)| self.newton(start, lines, factors, k))
     }
 
@@ -146,7 +155,7 @@ impl Search<'_> {
         let beside: Vec<Vec<DoubleDouble>> =
             lines.iter().map(|line| values(&self.shifted(state, &[(line, DIFFERENCE * line.scale())]))).collect();
         for (i, factor) in factors.iter().enumerate() {
-            let target = factor.targets.get(k).or(factor.targets.last())?.0;
+            let target = factor.target(k, here[i].to_f64())?;
             let row: Vec<f64> = beside.iter().map(|there| (there[i] - here[i]).to_f64() / DIFFERENCE).collect();
             let norm = row.iter().map(|x| x * x).sum::<f64>().sqrt();
             if norm == 0.0 || !norm.is_finite() {
@@ -183,7 +192,12 @@ impl Search<'_> {
     }
 }
 
-/// The products of several factors that move, one of them narrow at least, of which none is part of another; and whether there are more.
+/// Whether no factor of a product is narrow by itself.
+fn is_of_steps(product: &Factors) -> bool {
+    product.iter().all(|(_, kind)| *kind == Kind::Above)
+}
+
+/// The products of several factors that move, of which none is part of another, first those with a narrow one; and whether there are more of these.
 fn factored(model: &Model) -> (Vec<Factors>, bool) {
     let graph = &model.graph;
     let roots = roots(model);
@@ -197,13 +211,16 @@ fn factored(model: &Model) -> (Vec<Factors>, bool) {
         of_node.truncate(TERMS);
         terms.push(of_node);
     }
-    let narrow = |product: &&Factors| product.len() > 1 && product.iter().any(|(_, kind)| *kind != Kind::Above);
-    let all: BTreeSet<&Factors> = roots.iter().flat_map(|root| &terms[root.index()]).filter(narrow).collect();
+    let several = |product: &&Factors| product.len() > 1;
+    let all: BTreeSet<&Factors> = roots.iter().flat_map(|root| &terms[root.index()]).filter(several).collect();
     let part = |product: &Factors| all.iter().any(|other| *other != product && other.is_superset(product));
-    let mut whole: Vec<Factors> = all.iter().filter(|product| !part(product)).map(|p| (*p).clone()).collect();
-    more |= whole.len() > PRODUCTS;
-    whole.truncate(PRODUCTS);
-    (whole, more)
+    let whole = all.iter().filter(|product| !part(product)).map(|product| (*product).clone());
+    let (mut of_steps, mut narrow): (Vec<Factors>, Vec<Factors>) = whole.partition(is_of_steps);
+    more |= narrow.len() > PRODUCTS;
+    narrow.truncate(PRODUCTS);
+    of_steps.truncate(STEPS);
+    narrow.extend(of_steps);
+    (narrow, more)
 }
 
 /// The terms of a node multiplied out, each with its narrow factors; those of its children are known.
@@ -214,6 +231,13 @@ fn terms_of(graph: &Graph, id: Id, moving: &[bool], known: &[Vec<Factors>]) -> V
         Node::Unary(Unary::Step, x) => one(x, Kind::Above),
         Node::Unary(Unary::Table(table), x) => one(x, Kind::Table(table.whole())),
         Node::Unary(_, x) => known[x.index()].clone(),
+        Node::Binary(Binary::Max, x, Id::ZERO) | Node::Binary(Binary::Max, Id::ZERO, x) => {
+            let inside = known[x.index()].clone();
+            if inside.is_empty() {
+                return one(x, Kind::Above);
+            }
+            inside.into_iter().map(|term| &term | &one(x, Kind::Above).into_iter().flatten().collect()).collect()
+        }
         Node::Binary(Binary::Table(table), x, y) => {
             let both = [(x, Kind::Table(table.along(0))), (y, Kind::Table(table.along(1)))];
             let factors: Factors = both.into_iter().filter(|(argument, _)| moving[argument.index()]).collect();

@@ -73,3 +73,32 @@ fn narrow_factors_that_no_state_meets_at_once_are_named() {
     let named = |words: &String| words.contains("act at once");
     assert!(report.unreached.iter().any(named), "{:?}", report.unreached);
 }
+
+/// A force that acts only where two tables are not 0, or inside two zones, at once is met: a piece of a table that is 0 says nothing.
+#[test]
+fn products_of_tables_and_of_zones_are_met() {
+    for (smooth, force) in [(0, "gate(x)*gate(y)"), (1, "gate(x)*gate(y)"), (1, "gate(x)*max(0, z - 5)")] {
+        let file = |claim: &str| {
+            format!(
+                "name: Gates\nparameters: {{m: 1 kg, J: 1 kg*m^2, F: 3 N}}\n\
+                 tables: {{gate: {{points: [[0, 0], [3, 0], [4, 1], [6, 0], [10, 0]], smooth: {smooth}, units: [m, 1]}}}}\n\
+                 coordinates: {{x: m, y: m, z: 1}}\nkinetic_energy: m*(x'^2 + y'^2)/2 + J*z'^2/2\n\
+                 generalized_forces: {{x: 'F*{force}'}}\n{claim}"
+            )
+        };
+        refused(&file("conserved: {e: energy}\n"), "`e`");
+        refused(&file("checks: {c: \"m*x'' = 0\"}\n"), "`c`");
+        accepted(&file(&format!("checks: {{c: \"m*x'' = F*{force}\"}}\n")));
+    }
+    for width in ["1e-1", "1e-2", "1e-3"] {
+        let file = |claim: &str| {
+            format!(
+                "name: Zones\nparameters: {{c: 1, a: 3, b: 2, w: {width}}}\ncoordinates: {{p: 1, q: 1}}\nkinetic_energy: p'^2/2 + q'^2/2\n\
+                 generalized_forces: {{p: -c*p'*step(w - abs(p - a))*step(w - abs(q - b))}}\npotential_energy: p^2/2\n\
+                 {claim}scene: {{start: {{p: 1}}, until: 1}}\n"
+            )
+        };
+        refused(&file("conserved: {e: energy}\n"), "`e`");
+        accepted(&file(""));
+    }
+}
