@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use super::spin::KeptSpin;
 use super::start_conditions::{By, Conditions};
 use crate::cause::Cause;
-use crate::matrix::{rank, solve_least, svd};
+use crate::matrix::{rank, solve_least, solve_least_refined, svd};
 use crate::mechanism::dense::{
     ROUNDING, SECOND_ROUNDING, constraint_matrix, constraint_rate_jacobian, constraint_triples, mass_matrix,
     rounding_of_parameters, sizes_alike, widest,
@@ -69,6 +69,7 @@ pub(crate) fn consistent<S: System + ?Sized>(system: &S, start: &Start<'_>) -> R
         })?;
         closing.nearest(&mut y);
         closing.nearest_to_rounding(&mut y);
+        closing.leave_rounding(&mut y);
         closing.judge(&y)?;
         closing.spin(&mut y);
         closing.speeds(&mut y)?;
@@ -376,6 +377,18 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
         }
     }
 
+    /// Takes places that a search left within a rounding of 0, beside others of their unit, for 0, where that closes the constraints as well.
+    fn leave_rounding(&self, y: &mut [f64]) {
+        let sizes = sizes_alike(self.system.description(), &y[..self.n]);
+        let mut cleared = y.to_vec();
+        let is_rounding = |i: &&usize| y[**i] != self.guess[**i] && y[**i].abs() <= f64::EPSILON * sizes[**i];
+        self.free.iter().filter(is_rounding).for_each(|i| cleared[*i] = 0.0);
+        let (left, closed) = self.residual(&cleared);
+        if left.iter().zip(closed).all(|(c, closed)| c.abs() <= closed) {
+            y.copy_from_slice(&cleared);
+        }
+    }
+
     /// The step δ with (1 + Σ λ_k ∂²c_k/∂q²) δ + Jᵀ μ = guess − q and J δ = −c, where Jᵀ λ is what of guess − q leads off the constraints; `None`
     /// at the guess itself.
     fn newton_step(&self, y: &[f64]) -> Option<DVector<f64>> {
@@ -445,10 +458,25 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
         k.view_mut((0, f), (f, all)).copy_from(&a.transpose());
         k.view_mut((f, 0), (all, f)).copy_from(&a);
         let right = coupled.iter().chain(rate.iter()).map(|x| -x).chain(wanted.iter().copied());
-        if let Some(solution) = solve_least(&k, &DMatrix::from_iterator(f + all, 1, right)) {
+        if let Some(solution) = solve_least_refined(&k, &DMatrix::from_iterator(f + all, 1, right)) {
             free.iter().zip(solution.iter()).for_each(|(i, v)| y[n + i] = *v);
         }
         rate
+    }
+
+    /// Takes speeds within a rounding of 0, beside others of their unit, for 0, where constraints are met as well as before, or but for their terms' rounding.
+    fn leave_rounding_of_speeds(&self, y: &mut [f64], j: &DMatrix<f64>) {
+        let n = self.n;
+        let sizes = sizes_alike(self.system.description(), &y[n..]);
+        let mut cleared = y.to_vec();
+        let is_rounding = |i: &usize| !self.held[n + i] && y[n + i].abs() <= f64::EPSILON * sizes[*i];
+        (0..n).filter(is_rounding).for_each(|i| cleared[n + i] = 0.0);
+        let terms = j.abs() * DVector::from_row_slice(&y[n..]).abs();
+        let (before, after) = (self.triples(y), self.triples(&cleared));
+        let as_well = |(row, terms): (&usize, &f64)| after[*row][1].abs() <= before[*row][1].abs().max(CLOSED * terms);
+        if self.rows.iter().zip(terms.iter()).all(as_well) {
+            y.copy_from_slice(&cleared);
+        }
     }
 
     /// Speeds that are not held: those of least kinetic energy among all that the constraints allow.
@@ -456,6 +484,7 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
         let n = self.n;
         let rate = self.least_speeds(y, (&DMatrix::zeros(0, n), &DVector::zeros(0)));
         let (j, mass) = (self.jacobian(y, &self.rows), mass_matrix(self.system, At::packed(self.t, y, n)));
+        self.leave_rounding_of_speeds(y, &j);
         let triples = self.triples(y);
         let sizes = DVector::from_vec(sizes_alike(self.system.description(), &y[n..]));
         let terms = j.abs() * sizes + rate.abs();
@@ -514,30 +543,41 @@ impl<'a, S: System + ?Sized> Closing<'a, S> {
         }
         let rank = self.system.description().phases.get(self.system.phase()).map_or(0, |phase| phase.rank as usize);
         let place = At::packed(self.t, y, self.n);
-        let (mut j, triples) = (self.jacobian(y, &self.rows), self.triples(y));
+        let (j, triples) = (self.jacobian(y, &self.rows), self.triples(y));
         let (sizes, inertia) = (self.sizes(y), mass_matrix(self.system, place).diagonal());
         let moved = j.abs() * sizes.rows(0, self.n);
         let whole = (0..self.n).map(|i| inertia[i].max(0.0) * sizes[i] * sizes[i]).sum::<f64>().sqrt();
         // In units of √M; what has no inertia, by its size.
-        for (i, mut column) in j.column_iter_mut().enumerate() {
-            let own = inertia[i].max(0.0).sqrt();
-            column.scale_mut(if own > 0.0 { 1.0 / own } else { sizes[i] / whole.max(f64::MIN_POSITIVE) });
-        }
-        for (k, mut line) in j.row_iter_mut().enumerate() {
-            // A row that vanishes beside the terms of its constraint is not blown up.
-            let terms = if self.holonomic.contains(&self.rows[k]) { triples[self.rows[k]][2] } else { 0.0 };
-            let share = if moved[k] < terms { moved[k] / terms } else { 1.0 };
-            let norm = line.norm();
-            line.scale_mut(if norm > 0.0 { share / norm } else { 0.0 });
-        }
-        let Some(svd) = svd(j, false, false) else {
-            return Err(Cause::NonFinite { what: "the slopes of constraints at the start".to_owned() }.into());
+        let by_inertia = |i: usize| match inertia[i].max(0.0).sqrt() {
+            own if own > 0.0 => 1.0 / own,
+            _ => sizes[i] / whole.max(f64::MIN_POSITIVE),
         };
-        // Falling.
-        match rank.checked_sub(1).and_then(|k| svd.singular_values.get(k)) {
-            Some(sigma) if *sigma < SINGULAR => Err(Cause::SingularConfiguration { sigma: *sigma }.into()),
-            _ => Ok(()),
+        let scaled = |unit: &dyn Fn(usize) -> f64| {
+            let mut scaled = j.clone();
+            scaled.column_iter_mut().enumerate().for_each(|(i, mut column)| column.scale_mut(unit(i)));
+            for (k, mut line) in scaled.row_iter_mut().enumerate() {
+                // A row that vanishes beside the terms of its constraint is not blown up.
+                let terms = if self.holonomic.contains(&self.rows[k]) { triples[self.rows[k]][2] } else { 0.0 };
+                let share = if moved[k] < terms { moved[k] / terms } else { 1.0 };
+                let norm = line.norm();
+                line.scale_mut(if norm > 0.0 { share / norm } else { 0.0 });
+            }
+            scaled
+        };
+        let mut least = 0.0_f64;
+        // Rows that a light body alone brings near each other are independent by sizes.
+        for unit in [&by_inertia as &dyn Fn(usize) -> f64, &|i| sizes[i]] {
+            let Some(svd) = svd(scaled(unit), false, false) else {
+                return Err(Cause::NonFinite { what: "the slopes of constraints at the start".to_owned() }.into());
+            };
+            // Falling.
+            let Some(sigma) = rank.checked_sub(1).and_then(|k| svd.singular_values.get(k)) else { return Ok(()) };
+            least = least.max(*sigma);
+            if least >= SINGULAR {
+                return Ok(());
+            }
         }
+        Err(Cause::SingularConfiguration { sigma: least }.into())
     }
 
     /// Gives rotations the lengths of the guess, and lets them keep these: what was searched for depends on neither, and a length that has a rate

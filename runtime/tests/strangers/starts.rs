@@ -209,3 +209,50 @@ fn what_angles_are_also_to_meet_leaves_them_at_rest() {
         assert!((rotation.last()[name] - value).abs() < 1e-13, "{name}: {}", rotation.last()[name]);
     }
 }
+
+/// Speeds of least energy have their own digits, however stiff what massless points hang on is: the mass stays at rest.
+#[test]
+fn massless_points_move_no_mass_at_the_start() {
+    for (k, c) in [(1e6, 1e3), (1e9, 2e5), (1e7, 1e4), (1e5, 1e-3), (10.0, 2.0)] {
+        let run = case(&format!(
+            "name: Knots\nparameters: {{m: 1 kg, k: {k:e} N/m, c: {c:e} N*s/m}}\ncoordinates: {{x: m, a: m, b: m}}\n\
+             bodies: {{M: {{mass: m, position: '[x, 0]'}}, P: {{mass: 0, position: '[a, 0]'}}, Q: {{mass: 0, position: '[b, 0]'}}}}\n\
+             springs: {{s1: {{stretch: x - a, stiffness: k, on: M, from: P, along: '[1, 0]'}}, s2: {{stretch: b, stiffness: 2*k, on: Q, along: '[1, 0]'}}}}\n\
+             dampers: {{d: {{rate: a' - b', damping: c, on: P, from: Q, along: '[1, 0]'}}}}\nscene: {{start: {{x: 1}}, until: 0}}\n"
+        ))
+        .run();
+        assert_eq!(run.last()["x'"], 0.0, "{k} {c}");
+    }
+}
+
+/// Light and heavy bodies share a speed as their masses say, in all digits, and rows that a light one brings near each other are no singular position.
+#[test]
+fn speeds_at_the_start_have_their_own_digits() {
+    let file = |mass: &str, rows: &str| {
+        format!(
+            "name: Geared\ncoordinates: {{x: 1, y: 1, z: 1}}\nkinetic_energy: {mass}\nconstraints: {{{rows}}}\nscene: {{until: 0}}\n"
+        )
+    };
+    let light = file("x'^2/2 + 1e-12*(y'^2 + z'^2)/2", "a: x' - y' - 2*z', b: y' - z' - 8");
+    // λ of the first row is −x': with ε = 1e-12, x' = −8/(9/ε + 2)·(…): by hand −8 ε/(9 + 2 ε).
+    let x = case(&light).run().last()["x'"];
+    let known = -8e-12 / (9.0 + 2e-12);
+    assert!((x / known - 1.0).abs() < 1e-12, "{x:e} {known:e}");
+    let heavy = file("x'^2/2 + 1e-6*y'^2/2 + 1e6*z'^2/2", "a: x' + 1e6*y' - 1, b: y' + z' - 2");
+    let last = case(&heavy).run().last();
+    // y' = y, x' = 1 − 1e6 y and z' = 2 − y with the least energy: (1e12 + 1e-6 + 1e6) y = 1e6 + 2e6.
+    let y = 3e6 / (1e12 + 1e-6 + 1e6);
+    assert!((last["y'"] / y - 1.0).abs() < 1e-12, "{:e} {y:e}", last["y'"]);
+}
+
+/// What a search leaves of a place or a speed that is 0 is not carried through the run.
+#[test]
+fn what_a_search_leaves_of_zero_is_zero() {
+    let run = case(
+        "name: Arm\nparameters: {m: 2 kg, l: 1 m, W: 3 rad/s}\ncoordinates: {x: m, y: m, z: m, q: rotation}\nframes: {F: {rotate: q}}\n\
+         bodies: {c: {mass: m, inertia: [0.1, 0.2, 0.25], frame: F, position: '[x, y, z]'}}\nconstraints: {p: position(c) - l*F.x}\n\
+         scene: {start: {q': [0, 0, W]}, guess: {x: 0.2, y: 1, q: {vector: [0, 0, 1.5]}}, until: 1}\n",
+    )
+    .run();
+    assert_eq!(["z", "q.x", "q.y", "z'", "q.x'", "q.y'"].map(|name| run.last()[name]), [0.0; 6]);
+}
