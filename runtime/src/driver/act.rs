@@ -117,6 +117,7 @@ impl Integration {
                 }
             }
             effects.ends |= Some(*event) == self.ends_after;
+            self.waiting.retain(|waiting| waiting != event);
             for action in actions {
                 match action {
                     Action::Stop => effects.stops = true,

@@ -162,6 +162,10 @@ pub(crate) struct Integration {
     poor_steps: u32,
     /// When the next state is reported, s.
     reports_at: f64,
+    /// Whether events happen with which the motion starts.
+    begins: bool,
+    /// Events that stop or set, past their zero where the motion started, or at it and moving past, and have not happened since.
+    waiting: Vec<usize>,
     jumps: JumpDetector,
     /// Errors and length of the last attempt at the present step, if it was rejected.
     rejected: Vec<f64>,
@@ -195,6 +199,8 @@ impl Integration {
             limiting_rate: 0.0,
             poor_steps: 0,
             reports_at: f64::INFINITY,
+            begins: false,
+            waiting: Vec::new(),
             jumps: JumpDetector::new(0.0),
             stepper,
             asleep: None,
@@ -531,11 +537,14 @@ impl Integration {
 
     /// What is to be said of the motion as a whole.
     pub fn warnings(&self, system: &dyn System) -> Vec<Warning> {
+        let missed =
+            |event: &usize| Warning::NeverPassed { event: system.description().events[*event].name.to_string() };
+        let missed = self.waiting.iter().filter(|_| self.work.steps > 0).map(missed);
         let StepPolicy::Adaptive { tolerance, .. } = &self.policy else {
-            return self.passed_over.map(|t| Warning::PassedOver { t }).into_iter().collect();
+            return self.passed_over.map(|t| Warning::PassedOver { t }).into_iter().chain(missed).collect();
         };
         let limited = |(i, to)| Warning::RoundingLimits { coordinate: system.description().coordinate_name(i), to };
-        tolerance.limited().map(limited).collect()
+        tolerance.limited().map(limited).chain(missed).collect()
     }
 
     /// How far [q; q'] have gone, the ends of all steps counted; nothing at a fixed step.

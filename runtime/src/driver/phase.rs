@@ -134,7 +134,14 @@ impl Integration {
             Action::Stop | Action::Record | Action::Set(_) => Ok(Done { acts: false, strikes: false }),
             Action::Phase(phase) => self.alternate(system, (event, phase as usize), recorder),
             Action::Contact(contact) => self.change_contact(system, (event, contact as usize), recorder),
-            Action::Impact { .. } if self.recedes(system, event) => Ok(Done { acts: false, strikes: false }),
+            Action::Impact { along, .. } if self.recedes(system, event) => {
+                // Where a motion starts, what falls back before times can tell has not left.
+                if self.begins {
+                    let along = rows_of(system, along);
+                    self.settle(system, (event, &along), (self.clock.now(), &[]), recorder)?;
+                }
+                Ok(Done { acts: self.begins, strikes: self.begins })
+            }
             Action::Impact { along, restitution } => {
                 let Struck { restitution: e, impulses } = self.strike(system, along, restitution as usize, recorder)?;
                 let now = self.clock.now();
@@ -149,10 +156,7 @@ impl Integration {
                     let along = rows_of(system, along);
                     let left = impulses.into_iter().filter(|(row, _)| along.contains(row) && end > now);
                     let left: Vec<(usize, f64)> = left.map(|(row, impulse)| (row, impulse * e / (1.0 - e))).collect();
-                    if !self.rest(system, (event, &along), (end, &left), recorder)? {
-                        let event = system.description().events[event].name.to_string();
-                        return Err(Cause::ImpactsAccumulate { event, t: end }.into());
-                    }
+                    self.settle(system, (event, &along), (end, &left), recorder)?;
                 }
                 Ok(Done { acts: true, strikes: true })
             }
@@ -297,6 +301,24 @@ impl Integration {
         let impulses = hit.rows.clone();
         self.take(system, hit, recorder);
         Ok(Struck { restitution: e, impulses })
+    }
+
+    /// Lets a motion rest where impacts accumulate.
+    ///
+    /// # Errors
+    /// No phase has these rows too.
+    fn settle(
+        &mut self,
+        system: &mut dyn System,
+        (event, along): (usize, &[usize]),
+        (end, known): (f64, &[(usize, f64)]),
+        recorder: &mut Recorder,
+    ) -> Result<(), Box<Cause>> {
+        if self.rest(system, (event, along), (end, known), recorder)? {
+            return Ok(());
+        }
+        let event = system.description().events[event].name.to_string();
+        Err(Cause::ImpactsAccumulate { event, t: end }.into())
     }
 
     /// Impacts accumulate: the motion goes on at their end, in the phase that has these rows too, with what impulses are

@@ -44,11 +44,7 @@ impl Integration {
     }
 
     /// Records events at whose zero the motion ends, and sets what they set.
-    pub(super) fn end_events(
-        &mut self,
-        system: &mut dyn System,
-        recorder: &mut Recorder,
-    ) -> Result<StopReason, Box<Cause>> {
+    pub fn end_events(&mut self, system: &mut dyn System, recorder: &mut Recorder) -> Result<StopReason, Box<Cause>> {
         let Some(mut locator) = self.locator.take() else { return Ok(StopReason::Arrived) };
         let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
         let (mut stop_reason, mut fired) = (Ok(StopReason::Arrived), Vec::new());
@@ -98,6 +94,10 @@ impl Integration {
         } else if let Some(switch) = locator.undecided(system) {
             recorder.warn(Warning::BothSidesLeave { switch });
         }
+        if start == Starting::Anew {
+            self.waiting = locator.waiting_at_start(system, (now, &y));
+            self.waiting.retain(|event| !past.contains(event));
+        }
         for event in past {
             recorder.warn(Warning::PastAtStart { event: system.description().events[event].name.to_string() });
         }
@@ -107,7 +107,9 @@ impl Integration {
             for Fired { event, actions, .. } in &fired {
                 locator.record_one(system, *event, (now, &y), actions.contains(&Action::Stop), recorder);
             }
+            self.begins = true;
             stop_reason = self.act(system, fired, &mut locator, recorder);
+            self.begins = false;
         }
         self.locator = Some(locator);
         stop_reason

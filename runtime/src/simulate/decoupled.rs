@@ -32,11 +32,15 @@ pub(super) fn parts(system: &dyn System, settings: &Settings) -> Result<Vec<Part
     }
     let part = |index: usize| {
         let part = OfPart::new(system, index, &settings.q)?;
-        let own = |all: &[f64]| part.coordinates().iter().map(|i| all[*i]).collect();
+        let own = |all: &[f64]| part.coordinates().iter().map(|i| all[*i]).collect::<Vec<f64>>();
         let (q, v) = (own(&settings.q), own(&settings.v));
+        let beside = settings.beside.as_ref().map(|all| {
+            let (q, v) = all.split_at(settings.q.len());
+            [own(q), own(v)].concat()
+        });
         let (held_q, held_v, spins) = (Vec::new(), Vec::new(), Vec::new());
         // What the others do at its end is read from their dense output.
-        let settings = Settings { q, v, held_q, held_v, spins, digits: false, dense: true, ..settings.clone() };
+        let settings = Settings { q, v, beside, held_q, held_v, spins, digits: false, dense: true, ..settings.clone() };
         Some((part, settings))
     };
     Ok((0..description.parts.len()).filter_map(part).collect())
@@ -64,15 +68,23 @@ pub(super) fn simulate(
     let clock = Stopwatch::start();
     let mut ended = None;
     let mut ways = Vec::with_capacity(parts.len());
-    for (mut part, own) in parts {
-        let Start { integration, recorder, outcome } = start(&mut part, &own, settings.spacing())?;
-        if let (Err(cause), None) = (outcome, &ended) {
-            ended = Some(recorder.explain(&part, *cause));
-        }
-        ways.push(Way { part, integration, recorder, stopped: false });
-    }
     // Where an event of a part ends the run, the others come to, and to events of theirs at the same instant.
     let (mut until, instant) = (settings.until, instant(settings.from, settings.until));
+    for (mut part, own) in parts {
+        let Start { mut integration, mut recorder, outcome } = start(&mut part, &own, settings.spacing())?;
+        let begun = outcome.and_then(|()| match settings.from < settings.until {
+            true => integration.act_at_start(&mut part, &mut recorder),
+            false => Ok(StopReason::Arrived),
+        });
+        let stopped = matches!(begun, Ok(StopReason::Event));
+        if stopped {
+            until = until.min(integration.time() + instant);
+        }
+        if let (Err(cause), None) = (begun, &ended) {
+            ended = Some(recorder.explain(&part, *cause));
+        }
+        ways.push(Way { part, integration, recorder, stopped });
+    }
     while ended.is_none() {
         let steps: u64 = ways.iter().map(|way| way.integration.work().steps).sum();
         let going = ways.iter_mut().filter(|way| !way.stopped);
@@ -96,6 +108,15 @@ pub(super) fn simulate(
         }
         if progress(from).is_break() {
             ended.get_or_insert(Cause::Interrupted);
+        }
+    }
+    for Way { part, integration, recorder, stopped } in &mut ways {
+        let arrived = ended.is_none() && !*stopped && settings.from < settings.until;
+        if arrived && integration.time() >= settings.until {
+            match integration.end_events(part, recorder) {
+                Err(cause) => ended = Some(recorder.explain(part, *cause)),
+                Ok(reason) => *stopped = reason == StopReason::Event,
+            }
         }
     }
     let runs = ways.into_iter().map(|Way { part, integration, recorder, .. }| {

@@ -134,6 +134,11 @@ pub enum Warning {
         /// The event.
         event: String,
     },
+    /// An event that stops or sets held values is past its zero where the motion starts, or at it and moves past, and does not happen later either.
+    NeverPassed {
+        /// The event.
+        event: String,
+    },
     /// More events happened than are kept.
     EventsEnd {
         /// When the first was left out, s.
@@ -303,7 +308,8 @@ impl Warning {
             Warning::Touch { event, .. }
             | Warning::NoCrossing { event, .. }
             | Warning::Undefined { event, .. }
-            | Warning::PastAtStart { event } => Some(event),
+            | Warning::PastAtStart { event }
+            | Warning::NeverPassed { event } => Some(event),
             Warning::IntegralUntried { integral, .. } => Some(integral),
             Warning::LeavesTable { table, .. } => Some(table),
             Warning::NearGimbalLock { lock, .. } => Some(&lock.frame),
@@ -407,6 +413,10 @@ impl fmt::Display for Warning {
                 f,
                 "`{event}` is already at or past its zero at the start and does nothing: start on its other side, or, if it changes the phase, \
                  give it a `direction` and the `phase` that it ends"
+            ),
+            Warning::NeverPassed { event } => write!(
+                f,
+                "`{event}` does not happen: at the start its function is past zero in its direction, or at zero and goes past; start on its other side"
             ),
             Warning::EventsEnd { t, kept } => {
                 write!(

@@ -127,6 +127,44 @@ fn what_leaves_the_floor_at_the_start_is_not_struck() {
     assert!(run.warnings.iter().all(|warning| !matches!(warning, Warning::PastAtStart { .. })), "{:?}", run.warnings);
 }
 
+/// A hop that is shorter than times can tell is none.
+#[test]
+fn what_hardly_leaves_the_floor_at_the_start_rests_on_it() {
+    for speed in ["1e-100", "1e-14", "1e-13"] {
+        let run = ball_from(&format!("x': 1, y': {speed}")).run();
+        assert_eq!(run.last()["y"], 0.0, "{speed}");
+    }
+}
+
+/// A stop at whose zero a run starts, and past which it goes, does nothing: it is named, whether parts of the mechanism run apart or not, unless it happens
+/// later.
+#[test]
+fn a_stop_that_a_start_goes_past_is_named() {
+    let told = |text: &str| {
+        let run = case(text).run();
+        run.warnings.contains(&Warning::NeverPassed { event: "land".to_owned() })
+    };
+    for (coordinates, position) in [("y: m", "[0, y]"), ("x: m, y: m", "[x, y]")] {
+        let fall = |start: &str| {
+            format!(
+                "name: Fall\nparameters: {{m: 1 kg, g: 10 m/s^2}}\ncoordinates: {{{coordinates}}}\n\
+                 bodies: {{b: {{mass: m, position: '{position}'}}}}\ngravity: [0, -g]\n\
+                 events: {{land: {{when: y, direction: falling, then: stop}}}}\nscene: {{start: {{{start}}}, until: 1}}\n"
+            )
+        };
+        for start in ["y': 0", "y': -1", "y: -1"] {
+            assert!(told(&fall(start)), "{coordinates}: {start}");
+        }
+        for start in ["y': 1", "y: 1"] {
+            assert!(!told(&fall(start)), "{coordinates}: {start}");
+        }
+    }
+    let swing = "name: Swing\nparameters: {w: 1 1/s}\ncoordinates: {x: 1}\nkinetic_energy: x'^2/2\npotential_energy: w^2*x^2/2\n\
+        events: {land: {when: x', direction: falling, then: stop}}\nscene: {start: {x: 1}, until: 10}\n";
+    let run = case(swing).run();
+    assert!((run.last().t - 2.0 * std::f64::consts::PI).abs() < 1e-7 && !told(swing), "{}", run.last().t);
+}
+
 #[test]
 fn a_start_below_the_floor_is_told() {
     let run = ball_from("y: -1").run();

@@ -104,6 +104,27 @@ impl EventLocator {
         (fired, past)
     }
 
+    /// Events that stop or set, past their zero in their direction where a motion starts, or at it and moving past: they wait until it comes back.
+    pub fn waiting_at_start<S: System + ?Sized>(&mut self, system: &S, (t, y): (f64, &[f64])) -> Vec<usize> {
+        let events = &system.description().events;
+        self.sampler.at_state(system, t, y);
+        let waits = |event: &usize| {
+            let described = &events[*event];
+            let acts = described.actions.iter().any(|action| matches!(action, Action::Stop | Action::Set(_)));
+            let side = match self.scanner.sides[*event] {
+                0.0 => self.scanner.leaving[*event],
+                side => side,
+            };
+            let past = match described.direction {
+                Direction::Both => false,
+                Direction::Rising => side > 0.0,
+                Direction::Falling => side < 0.0,
+            };
+            acts && past && self.scanner.awake(*event) && self.sampler.condition(*event) > 0.0
+        };
+        (0..events.len()).filter(waits).collect()
+    }
+
     /// Whether an event that sets held values starts at its zero and leaves it in its direction, so that it does not happen.
     fn sets_and_leaves<S: System + ?Sized>(&self, system: &S, event: usize) -> bool {
         let described = &system.description().events[event];
