@@ -12,6 +12,7 @@ use dalembert_symbolic::diagnose::did_you_mean_or;
 use dalembert_symbolic::print::fnv1a;
 use serde_json::{Value, json};
 
+use super::arrows::Over;
 use super::json::{number, object};
 use super::load::Loaded;
 use super::plotted::{self, Shown};
@@ -30,7 +31,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     outputs::check(options, &["csv", "plot", "animate", "save"], &loaded.path)?;
     drawn::check(&loaded, options)?;
     let settings = set_up(&mut loaded, options).and_then(|settings| by_options(settings, options))?;
-    let shown = Shown::read(&loaded, options)?;
+    let shown = (Shown::read(&loaded, options)?, Over::read(&loaded, options)?);
     loaded.tell_warnings();
     match options.get_one::<String>("by").map(String::as_str) {
         Some("all") => return compare::run(&mut loaded, &settings, options, out),
@@ -250,7 +251,7 @@ impl Progress {
 fn report(
     (loaded, settings): (&Loaded, &Settings),
     (run, failed): (&mut Run, Option<&Problem>),
-    (shown, others, slopes): (&Shown, &[(String, Run)], Option<&Slopes>),
+    ((shown, over), others, slopes): (&(Shown, Over), &[(String, Run)], Option<&Slopes>),
     options: &ArgMatches,
     out: &mut dyn Write,
 ) -> Result<(), Problem> {
@@ -276,7 +277,8 @@ fn report(
     save(loaded, run, options)?;
     if let Some(path) = file("animate") {
         let charts = shown.of(run).map_err(Problem::usage)?;
-        let playback = outputs::animate(path, &Animation { charts, ..run.animation() })?;
+        let animation = over.over(run, Animation { charts, ..run.animation() })?;
+        let playback = outputs::animate(path, &animation)?;
         if let Some(playback) = playback.filter(|_| !options.get_flag("json")) {
             writeln!(out, "{path}: {playback}")?;
         }
