@@ -15,8 +15,9 @@ function arrow([x, y], to, cut) {
 function nameOf(name, from, to) {
   const [dx, dy] = [to[0] - from[0], to[1] - from[1]], length = Math.hypot(dx, dy);
   if (!(length >= 1)) return;
-  pen.textAlign = dx > 0.3 * length ? "left" : dx < -0.3 * length ? "right" : "center";
-  pen.fillText(name, to[0] + 9 * dx / length, to[1] + 9 * dy / length + 4);
+  const wide = pen.measureText(name).width, beside = dx > 0.3 * length ? 0 : dx < -0.3 * length ? wide : wide / 2;
+  const x = Math.max(Math.min(to[0] + 9 * dx / length - beside, width - wide - 4), 4);      // inside of the picture
+  pen.fillText(name, x, to[1] + 9 * dy / length + 4);
 }
 
 function drawOver({frame}) {

@@ -5,12 +5,12 @@ use super::extent::Extent;
 use super::solids::{Point, norm, plus};
 use crate::numbers::{short, spaced};
 
-/// What is usual of the largest arrow of a moment: no more than a twentieth of the moments has a larger one.
-const USUAL: f64 = 0.95;
+/// What is usual of the largest arrow of a moment: no more than a fifth of the moments has a larger one.
+const USUAL: f64 = 0.8;
 /// Such an arrow is so long, of the distance of the farthest of the mechanism from the middle of the picture.
-const LENGTH: f64 = 0.4;
+const LENGTH: f64 = 0.3;
 /// Arrows that would be longer than this many usual ones are cut.
-const LONGEST: f64 = 2.0;
+const LONGEST: f64 = 2.5;
 /// So many arrows have their names beside them: more would cover each other.
 const MOST_NAMED: usize = 8;
 
@@ -40,7 +40,7 @@ impl Animation {
     /// The same animation with vectors as arrows over the mechanism: for each frame and each name the point at which the arrow begins, then
     /// the vector.  Vectors that are zero or not finite are not drawn.
     ///
-    /// All have one scale, by which the largest vector of a moment is usually two fifths as long as the mechanism reaches from the middle of
+    /// All have one scale, by which the largest vector of a moment is usually three tenths as long as the mechanism reaches from the middle of
     /// the picture; a few moments with a much larger one do not change it.
     ///
     /// ```
@@ -138,7 +138,7 @@ fn round_below(value: f64) -> f64 {
         return 0.0;
     }
     let decade = 10.0_f64.powf(value.log10().floor());
-    let digit = [5.0, 2.0].into_iter().find(|digit| digit * decade <= value * (1.0 + 1e-9)).unwrap_or(1.0);
+    let digit = [10.0, 5.0, 2.0].into_iter().find(|digit| digit * decade <= value * (1.0 + 1e-9)).unwrap_or(1.0);
     // By its decimal text, so that 0.2 is not 0.2 and a rounding.
     format!("{:e}", digit * decade).parse().map_or(value, |x: f64| short(x).parse().unwrap_or(x))
 }
@@ -167,8 +167,8 @@ mod tests {
         assert_eq!((arrows.value, arrows.text()), (5.0, "5 N".to_owned()));
         let [x, y] = told(&animation, 0);
         assert!((x - 3.0).abs() < 1e-12 && (y + 4.0).abs() < 1e-12, "{x} {y}");
-        // The rod reaches 1 m from its middle: an arrow of 5 N is 0.4 m long.
-        assert!((arrows.length - 0.4).abs() < 1e-12, "{}", arrows.length);
+        // The rod reaches 1 m from its middle: an arrow of 5 N is 0.3 m long.
+        assert!((arrows.length - 0.3).abs() < 1e-12, "{}", arrows.length);
     }
 
     #[test]
@@ -178,7 +178,7 @@ mod tests {
         assert_eq!(animation.arrows.as_ref().unwrap().text(), "10 N");
         assert!((told(&animation, 49)[1] - 10.0).abs() < 1e-12);
         let [from, to] = animation.arrow(0, &animation.frames[50].1);
-        assert!((to[1] - from[1] - 0.8).abs() < 1e-12);
+        assert!((to[1] - from[1] - 0.75).abs() < 1e-12);
     }
 
     #[test]
@@ -195,7 +195,16 @@ mod tests {
 
     #[test]
     fn scales_are_round() {
-        for (value, round) in [(1.0, 1.0), (1.9, 1.0), (4.9, 2.0), (9.81, 5.0), (0.25, 0.2), (3e7, 2e7), (6e-9, 5e-9)] {
+        for (value, round) in [
+            (1.0, 1.0),
+            (1.9, 1.0),
+            (4.9, 2.0),
+            (9.81, 5.0),
+            (10.0 - 1e-12, 10.0),
+            (0.25, 0.2),
+            (3e7, 2e7),
+            (6e-9, 5e-9),
+        ] {
             assert_eq!(round_below(value), round);
         }
     }

@@ -11,6 +11,8 @@ const TIP: (f64, f64) = (10.0, 4.0);
 const SHORTEST: f64 = 1.0;
 /// How far beyond its tip an arrow's name is, px.
 const NAME: f64 = 9.0;
+/// A letter of a name is no wider than this, px.
+const LETTER_OF_NAME: f64 = 7.0;
 /// How far the arrow that tells the scale is from the edges, px.
 const MARGIN: f64 = 16.0;
 /// The name of an event stays for so long, s of the picture.
@@ -60,8 +62,15 @@ impl Stage<'_> {
             along if along < -0.3 => HPos::Right,
             _ => HPos::Center,
         };
-        let at = ((to.0 + NAME * dx / length).round() as i32, (to.1 + NAME * dy / length).round() as i32);
-        write(canvas, name, at, anchor, (11, INK))
+        let (x, y) = (to.0 + NAME * dx / length, to.1 + NAME * dy / length);
+        // Inside of the picture.
+        let (right, width) = (f64::from(WIDTH), LETTER_OF_NAME * name.chars().count() as f64);
+        let x = match anchor {
+            HPos::Left => x.min(right - width),
+            HPos::Right => x.max(width),
+            HPos::Center => x.clamp((width / 2.0).min(right / 2.0), (right - width / 2.0).max(right / 2.0)),
+        };
+        write(canvas, name, (x.round() as i32, y.round() as i32), anchor, (11, INK))
     }
 
     /// The arrow that tells the scale, in the lower right corner.

@@ -3,6 +3,7 @@
 //! A joint, a contact, a reaction and a load say where they act.  A constraint acts at the points that it names: with such a point P moved
 //! by e, its force there is λ ∂c/∂e, or λ ∂c/∂e' of a constraint on velocities.
 
+use std::collections::BTreeSet;
 use std::rc::Rc;
 
 use rustc_hash::FxHashMap;
@@ -95,8 +96,12 @@ impl Resolver<'_> {
         let mut found = Found::default();
         self.forces_of_constraints(items, &mut found);
         self.forces_of_joints(&mut found);
+        // Several systems name one reaction, of which each says the same.
+        let mut told = BTreeSet::new();
         for (name, pushes) in std::mem::take(&mut self.reaction_pushes) {
-            found.add_pushes(self, &name, &pushes);
+            if told.insert(name.clone()) {
+                found.add_pushes(self, &name, &pushes);
+            }
         }
         for load in self.model.loads.clone().iter().filter(|load| !load.is_moved()) {
             found.add_pushes(self, &load.name, &load.pushes);
