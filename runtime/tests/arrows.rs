@@ -273,6 +273,7 @@ fn pictures_have_arrows_their_scale_and_events() {
     let (bare, with) = (svg(&[]), svg(&["--arrows", "normal"]));
     assert!(!bare.contains("normal") && with.contains("normal") && with.contains("5 N"));
     assert_eq!(svg(&[]), bare);
+    assert!(!bare.contains(">\n\n</text>"), "an empty text");
     for name in ["film.gif", "film.png"] {
         let [bare, with] = [&[][..], &["--arrows", "--mark-events"][..]].map(|options| {
             told(&path, &[&["--animate", &folder.file(name), "--until", "1"], options].concat()).unwrap();

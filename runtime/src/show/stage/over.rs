@@ -90,6 +90,9 @@ impl Stage<'_> {
         let stays = STAYS * self.playback.speed;
         let now = self.animation.events.iter().filter(|event| event.x <= t && t < event.x + stays);
         let mut names: Vec<&str> = now.map(|event| event.name.as_str()).collect();
+        if names.is_empty() {
+            return Ok(());
+        }
         names.dedup();
         write(canvas, &names.join(", "), (WIDTH / 2, BAND + 14), HPos::Center, (14, COLOURS[1]))
     }
