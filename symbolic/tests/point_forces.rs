@@ -4,7 +4,7 @@ use dalembert_symbolic::expr::{Symbol, Tape};
 use dalembert_symbolic::model::{Files, Model, load_with_forces};
 
 const SLED: &str = "name: Sled
-parameters: {m: 1 kg, I: 1 kg*m^2, d: 0.5 m}
+parameters: {m: 1 kg, I: 1 kg*m^2, d: 0.5 m, p: 1 m, r: 2 m}
 coordinates: {x: m, y: m, theta: rad}
 points: {skate: '[x, y]'}
 bodies: {sled: {mass: m, inertia: I, angle: theta, position: skate + d*sled.x}}
@@ -49,10 +49,10 @@ fn the_material_of_a_body_is_held_where_it_is_not_in_its_middle() {
 /// P + L e − Q = 0: the force on what P is of, at Q.
 #[test]
 fn points_that_meet_have_one_force() {
-    let text = format!("{SLED}constraints: {{pin: 'skate - [1, 2]'}}\n");
+    let text = format!("{SLED}constraints: {{pin: 'skate - [p, r]'}}\n");
     let model = loaded(&text);
     near(&forces(&model, &[2.0, 3.0, 0.4])[0], &[2.0, 3.0, 1.0, 1.0]);
-    let text = format!("{SLED}constraints: {{pin: '[1, 2] - skate'}}\n");
+    let text = format!("{SLED}constraints: {{pin: '[p, r] - skate'}}\n");
     near(&forces(&loaded(&text), &[2.0, 3.0, 0.4])[0], &[2.0, 3.0, -1.0, -1.0]);
     let two = SLED.replace("theta: rad}", "theta: rad, u: m, v: m}").replace("'[x, y]'}", "'[x, y]', other: '[u, v]'}");
     let text = format!("{two}constraints: {{pin: 'skate + d*sled.x - other'}}\n");
@@ -82,7 +82,7 @@ bodies: {a: {mass: m, position: '[x, y]'}, b: {mass: m, position: '[u, v]'}}
 fn what_acts_at_no_point_is_named() {
     let text =
         format!("{SLED}constraints: {{aim: theta - x/m0}}\ntorques: {{turn: {{on: sled, torque: -c*theta'}}}}\n");
-    let text = text.replace("d: 0.5 m}", "d: 0.5 m, m0: 1 m, c: 1 N*m*s}");
+    let text = text.replace("p: 1 m,", "m0: 1 m, c: 1 N*m*s,");
     let model = loaded(&text);
     assert!(model.point_forces.names.is_empty());
     assert_eq!(model.point_forces.elsewhere, ["aim", "turn"]);

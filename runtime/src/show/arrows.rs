@@ -12,6 +12,7 @@ const LENGTH: f64 = 0.3;
 /// Arrows that would be longer than this many usual ones are cut.
 const LONGEST: f64 = 2.5;
 /// So many arrows have their names beside them: more would cover each other.
+#[cfg(feature = "png")]
 const MOST_NAMED: usize = 8;
 
 /// Arrows of an animation with their scale: see [`Animation::with_arrows`].
