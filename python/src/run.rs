@@ -110,10 +110,18 @@ impl Run {
         guarded(py, || self.simulated.figure(&shown, section.as_deref()).map_err(|problem| raised(py, &problem)))
     }
 
-    /// The page that animates the mechanism, with charts of these columns beside it.
-    fn animation(&self, py: Python<'_>, columns: Vec<String>) -> PyResult<String> {
+    /// The page that animates the mechanism, with charts of these columns beside it; forces as arrows and events over it, all where a list is empty.
+    #[pyo3(signature = (columns, arrows=None, mark_events=None))]
+    fn animation(
+        &self,
+        py: Python<'_>,
+        columns: Vec<String>,
+        arrows: Option<Vec<String>>,
+        mark_events: Option<Vec<String>>,
+    ) -> PyResult<String> {
         guarded(py, || {
-            let mut animation: Animation = self.run().animation();
+            let animation = self.simulated.animation(arrows.as_deref(), mark_events.as_deref());
+            let mut animation: Animation = animation.map_err(|problem| raised(py, &problem))?;
             for name in &columns {
                 let chart = self.run().history(&[name]);
                 animation = animation.with_chart(chart.map_err(|error| made(py, "UsageError", (error.to_string(),)))?);

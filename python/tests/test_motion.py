@@ -140,6 +140,12 @@ def test_pictures_are_shown_in_notebooks(motion):
         motion.figure("theta3")
     with pytest.raises(dalembert.UsageError):
         motion.animation("theta3")
+    assert "drawOver" not in page.html and '"names":["hinge_force"]' in motion.animation(arrows="hinge_force").html
+    assert '"names":["hinge_force","elbow_force"]' in motion.animation(arrows=True).html
+    with pytest.raises(dalembert.UsageError, match="hinge_force"):
+        motion.animation(arrows=["hinge_forse"])
+    with pytest.raises(dalembert.UsageError, match="has no events"):
+        motion.animation(mark_events=True)
 
 
 def test_a_picture_is_that_of_the_program(program, motion, tmp_path):

@@ -22,6 +22,8 @@ ELSEWHERE = {
     "csv",
     "npz",
     "animate",
+    "arrows",
+    "mark-events",
     "save",
     "show",
     "section",

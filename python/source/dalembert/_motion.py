@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Optional, Union
 
@@ -20,6 +20,15 @@ if TYPE_CHECKING:
     import pandas
 
 _Array = NDArray[np.float64]
+#: All of a kind, none, one by its name, or several.
+_Chosen = Union[bool, str, Sequence[str]]
+
+
+def _listed(names: _Chosen) -> Optional[list[str]]:
+    """None where nothing is wanted, an empty list where all is."""
+    if isinstance(names, bool):
+        return [] if names else None
+    return [names] if isinstance(names, str) else list(names)
 
 
 @dataclass(frozen=True)
@@ -173,9 +182,13 @@ class Motion(Mapping[str, _Array]):
         """
         return Figure(self._run.figure(shown, None if section is None else text_of(section)))
 
-    def animation(self, *columns: str) -> Animation:
-        """The mechanism in motion, with a chart of each of these columns beside it."""
-        return Animation(self._run.animation(columns))
+    def animation(self, *columns: str, arrows: _Chosen = False, mark_events: _Chosen = False) -> Animation:
+        """The mechanism in motion, with a chart of each of these columns beside it.
+
+        `arrows` draws forces at the points where they act, `mark_events` writes names of events as they happen: `True` all of them, or a
+        name, or a list of names.
+        """
+        return Animation(self._run.animation(columns, _listed(arrows), _listed(mark_events)))
 
     def _repr_html_(self) -> str:
         return f"{self.figure().svg}<pre>{html.escape(self._summary())}</pre>"

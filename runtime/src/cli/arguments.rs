@@ -243,6 +243,8 @@ fn simulate() -> Command {
         .arg(value("section", "PERIOD", "Portraits of states at multiples of this time only: a stroboscopic section").requires("show"))
         .arg(value("with", "SCENE,SCENE", "Draw other scenes beside this one").requires("plot"))
         .arg(animation("Write a page that animates the mechanism"))
+        .arg(any("arrows", "A,B", "Draw forces in the animation as arrows, at the points where they act and to one scale: constraints, joints, contacts, reactions of `balances`, loads [default without names: all]"))
+        .arg(any("mark-events", "A,B", "Write the names of events into the animation as they happen [default without names: all]"))
         .group(ArgGroup::new("drawn").args(["plot", "animate"]).multiple(true))
         .arg(
             flag("digits", "Tell how many digits hold, by a second run, however long it takes")
@@ -497,6 +499,13 @@ fn animation(help: &str) -> Arg {
 
 fn many(name: &'static str, placeholder: &'static str, help: &'static str) -> Arg {
     value(name, placeholder, help).action(ArgAction::Append)
+}
+
+/// Names of what is drawn in an animation, or all.
+fn any(name: &'static str, placeholder: &'static str, help: &'static str) -> Arg {
+    let names = many(name, placeholder, help).num_args(0..=1).default_missing_value("");
+    // What begins with a hyphen is the next option.
+    names.allow_hyphen_values(false).requires("animate")
 }
 
 fn flag(name: &'static str, help: &'static str) -> Arg {

@@ -11,6 +11,7 @@
 //! Exit codes are those that `--help` states (`arguments.rs`).
 
 mod arguments;
+mod arrows;
 mod chart;
 mod check;
 mod compare;

@@ -15,6 +15,7 @@ use dalembert_symbolic::file::{Node, read, render};
 use dalembert_symbolic::model::Files;
 use serde_json::Value;
 
+use super::arrows::Over;
 use super::load::{Loaded, ModelFile};
 use super::plotted::Shown;
 use super::set_up::choose;
@@ -22,6 +23,7 @@ use super::simulate::{Outcome, outcome};
 use super::{Context, Entry, Problem, arguments, check, command, json, modes};
 use crate::Run;
 use crate::mechanism::System;
+use crate::show::Animation;
 
 /// A model that is derived.
 pub struct Session {
@@ -265,6 +267,14 @@ impl Simulated {
         let shown = Shown::read(&self.loaded, &options)?;
         let figure = shown.figure(&[(String::new(), &self.run)]);
         figure.map(|figure| figure.to_svg()).map_err(Problem::usage)
+    }
+
+    /// What `simulate --animate` plays, with what `--arrows` and `--mark-events` draw over it; of an empty list all.
+    ///
+    /// # Errors
+    /// Names that are not known, and a mechanism without forces that act at points.
+    pub fn animation(&self, arrows: Option<&[String]>, events: Option<&[String]>) -> Result<Animation, Problem> {
+        Over::of(&self.loaded, arrows, events)?.over(&self.run, self.run.animation())
     }
 }
 

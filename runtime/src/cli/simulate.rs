@@ -12,6 +12,7 @@ use dalembert_symbolic::diagnose::did_you_mean_or;
 use dalembert_symbolic::print::fnv1a;
 use serde_json::{Value, json};
 
+use super::arrows::Over;
 use super::json::{number, object};
 use super::load::Loaded;
 use super::plotted::{self, Shown};
@@ -30,7 +31,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     outputs::check(options, &["csv", "plot", "animate", "save"], &loaded.path)?;
     drawn::check(&loaded, options)?;
     let settings = set_up(&mut loaded, options).and_then(|settings| by_options(settings, options))?;
-    let shown = Shown::read(&loaded, options)?;
+    let pictures = Pictures { shown: Shown::read(&loaded, options)?, over: Over::read(&loaded, options)? };
     loaded.tell_warnings();
     match options.get_one::<String>("by").map(String::as_str) {
         Some("all") => return compare::run(&mut loaded, &settings, options, out),
@@ -52,7 +53,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
     match outcome {
         Ok(mut run) => {
             let slopes = slopes::asked(&mut loaded, &settings, options)?;
-            report((&loaded, &settings), (&mut run, None), (&shown, &others, slopes.as_ref()), options, out)
+            report((&loaded, &settings), (&mut run, None), (&pictures, &others, slopes.as_ref()), options, out)
         }
         Err(Error::Run(mut failure)) => {
             let problem = Problem::Run(failure.to_string());
@@ -60,7 +61,7 @@ pub fn run(context: Context<'_>, options: &ArgMatches, out: &mut dyn Write) -> R
             if failure.run.work.steps == 0 && failure.run.len() < 2 && !options.get_flag("json") {
                 return Err(problem);
             }
-            report((&loaded, &settings), (&mut failure.run, Some(&problem)), (&shown, &others, None), options, out)?;
+            report((&loaded, &settings), (&mut failure.run, Some(&problem)), (&pictures, &others, None), options, out)?;
             Err(problem)
         }
         Err(error) => Err(Problem::refused(&error)),
@@ -247,10 +248,18 @@ impl Progress {
     }
 }
 
+/// What pictures of the run show.
+struct Pictures {
+    /// The charts.
+    shown: Shown,
+    /// What is drawn over the mechanism.
+    over: Over,
+}
+
 fn report(
     (loaded, settings): (&Loaded, &Settings),
     (run, failed): (&mut Run, Option<&Problem>),
-    (shown, others, slopes): (&Shown, &[(String, Run)], Option<&Slopes>),
+    (Pictures { shown, over }, others, slopes): (&Pictures, &[(String, Run)], Option<&Slopes>),
     options: &ArgMatches,
     out: &mut dyn Write,
 ) -> Result<(), Problem> {
@@ -276,7 +285,8 @@ fn report(
     save(loaded, run, options)?;
     if let Some(path) = file("animate") {
         let charts = shown.of(run).map_err(Problem::usage)?;
-        let playback = outputs::animate(path, &Animation { charts, ..run.animation() })?;
+        let animation = over.over(run, Animation { charts, ..run.animation() })?;
+        let playback = outputs::animate(path, &animation)?;
         if let Some(playback) = playback.filter(|_| !options.get_flag("json")) {
             writeln!(out, "{path}: {playback}")?;
         }

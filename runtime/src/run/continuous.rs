@@ -40,6 +40,29 @@ impl<'a> Continuous<'a> {
         (!found.steps.is_empty()).then_some(found)
     }
 
+    /// By another mechanism, of the same equations and with other outputs, with the parameters, inputs and enforcement of the run.
+    ///
+    /// `None` as [`Continuous::new`], and where an input was replaced by one with discontinuities, so that the equations are not the same.
+    #[cfg(feature = "cli")]
+    pub fn seen_by(run: &'a Run, mut system: Box<dyn System>) -> Option<Self> {
+        let known = Continuous::new(run, &[])?;
+        if known.system.modes().len() != system.modes().len() {
+            return None;
+        }
+        for (place, value) in known.system.parameters().into_iter().enumerate() {
+            system.set_parameter(place, value);
+        }
+        for place in 0..system.description().inputs.len() {
+            if let Some(signal) = known.system.signal(place) {
+                system.set_input(place, signal.clone());
+            }
+        }
+        system.set_derivation(known.system.derivation());
+        system.enforce(known.system.enforcement(), known.system.baumgarte_gain());
+        let row = vec![0.0; 2 * system.len() + system.description().output_len()];
+        Some(Continuous { system, row, ..known })
+    }
+
     /// The steps, s.
     pub fn steps(&self) -> &[[f64; 2]] {
         &self.steps

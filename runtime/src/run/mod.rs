@@ -6,6 +6,8 @@ mod deviation;
 mod digits;
 mod extremes;
 mod failure;
+#[cfg(feature = "cli")]
+mod forces;
 mod frames;
 mod hermite;
 mod instants;
@@ -33,6 +35,8 @@ pub use digits::Digits;
 #[cfg(feature = "interpret")]
 pub(crate) use digits::written;
 pub use failure::Failure;
+#[cfg(feature = "cli")]
+pub(crate) use forces::Forces;
 pub(crate) use frames::Scenery;
 pub(crate) use instants::uneven;
 pub(crate) use junctions::{Junction, Side, SpeedJump};

@@ -1,9 +1,10 @@
 //! An animated mechanism: what moves, and its HTML page.
 
-use super::Chart;
+use super::arrows::Arrows;
 use super::curves::{self, multiple, unit};
 use super::extent::Extent;
 use super::figure::ends_in;
+use super::{Chart, Instant};
 #[cfg(feature = "png")]
 use super::{figure::scaled_down, stage::Stage, vector::Vector};
 use crate::error::Error;
@@ -57,7 +58,7 @@ pub struct Animation {
     pub dimension: u32,
     /// What is drawn.
     pub shapes: Vec<Shape>,
-    /// Times in rising order, each with the numbers of all shapes in order, as `System::drawing` writes them.
+    /// Times in rising order, each with the numbers of all shapes in order, as `System::drawing` writes them, and of [`Animation::arrows`].
     /// Numbers that are not finite leave a gap.
     pub frames: Vec<(f64, Vec<f64>)>,
     /// Whether lengths are in metres and times in seconds; a model without units leaves that open.
@@ -69,6 +70,10 @@ pub struct Animation {
     /// What stands beside the mechanism: over the time of the frames, or over anything else where the series tell their
     /// [`times`](super::Series::times).  Failures and slopes are left out.
     pub charts: Vec<Chart>,
+    /// Arrows over the mechanism, as [`Animation::with_arrows`] adds them.
+    pub arrows: Option<Arrows>,
+    /// What happened, and when: it is written over the mechanism for half a second.
+    pub events: Vec<Instant>,
 }
 
 impl Animation {
@@ -104,7 +109,8 @@ impl Animation {
     pub fn to_html(&self) -> String {
         // In a script element `<` could end the element; JSON may write it as an escape.
         let data = self.upright().data().to_string().replace('<', "\\u003c");
-        let script = [include_str!("curves.js"), include_str!("solids.js"), include_str!("page.js")].concat();
+        let over = if self.arrows.is_some() || !self.events.is_empty() { include_str!("arrows.js") } else { "" };
+        let script = [include_str!("curves.js"), include_str!("solids.js"), include_str!("page.js"), over].concat();
         include_str!("page.html").replace("@SCRIPT@", &script).replace("@DATA@", &data)
     }
 
@@ -169,7 +175,7 @@ impl Animation {
         let changes = |numbers: &[f64]| -> Vec<Value> {
             moving.iter().map(|k| multiple(numbers.get(*k).copied().unwrap_or(f64::NAN), unit)).collect()
         };
-        json!({
+        let mut data = json!({
             "title": self.title,
             "about": self.about,
             "dimension": self.dimension,
@@ -187,7 +193,15 @@ impl Animation {
             "moving": moving,
             "frames": self.frames.iter().map(|(_, numbers)| changes(numbers)).collect::<Vec<_>>(),
             "charts": self.charts.iter().map(curves::data).collect::<Vec<_>>(),
-        })
+        });
+        if let Some(Arrows { names, length, longest, .. }) = &self.arrows {
+            let text = self.arrows.as_ref().map(Arrows::text);
+            data["arrows"] = json!({ "names": names, "text": text, "length": length, "longest": longest });
+        }
+        if !self.events.is_empty() {
+            data["events"] = self.events.iter().map(|event| json!([event.x, event.name])).collect();
+        }
+        data
     }
 }
 

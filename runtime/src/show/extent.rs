@@ -90,6 +90,9 @@ impl Extent {
         let mut ends: Vec<Bound> = Vec::new();
         for (_, numbers) in &animation.frames {
             ends.extend(shapes.iter().flat_map(|drawn| drawn.bounds(numbers)));
+            let arrows = (0..animation.arrow_count()).flat_map(|arrow| animation.arrow(arrow, numbers));
+            let there = arrows.filter(|end| end.iter().all(|x| x.is_finite()));
+            ends.extend(there.map(|end| Bound::ball(end, 0.0)));
         }
         if ends.is_empty() {
             ends.push(Bound::ball([0.0; 3], 1.0));

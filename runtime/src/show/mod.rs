@@ -5,6 +5,7 @@
 //! [`Figure::write`], [`Animation::write`], [`Run::plot`](crate::Run::plot) and its neighbours write files.
 
 mod animation;
+mod arrows;
 mod axis;
 #[cfg(feature = "png")]
 mod brush;
@@ -40,6 +41,7 @@ mod vector;
 pub use animation::Animation;
 #[cfg(feature = "cli")]
 pub(crate) use animation::{is_film, is_picture};
+pub use arrows::Arrows;
 pub use axis::{Axis, Scale};
 pub use chart::{Chart, Failure, Instant, Series, Slope, Style};
 pub use csv::csv;

@@ -95,6 +95,8 @@ impl<'a> Stage<'a> {
                 }
             }
         }
+        self.draw_arrows(canvas, &numbers)?;
+        self.draw_events(canvas, t)?;
         write(canvas, &self.time(t), (WIDTH - 12, BAND / 2), HPos::Right, (14, INK))
     }
 
@@ -390,5 +392,6 @@ impl Animation {
     }
 }
 
+mod over;
 #[cfg(test)]
 mod tests;

@@ -46,6 +46,10 @@ impl Animation {
             for drawn in &shapes {
                 turn(drawn, numbers, up, length);
             }
+            let arrows = self.first_of_arrows().min(numbers.len());
+            for end in numbers[arrows..].as_chunks_mut::<3>().0 {
+                *end = up.upright(*end);
+            }
         }
         for shape in upright.shapes.iter_mut().filter(|shape| **shape == Shape::UnitAxes) {
             *shape = Shape::Axes;

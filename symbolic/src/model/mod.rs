@@ -28,10 +28,12 @@ pub(crate) use identifier::{greek, spell};
 pub use motion::{Closes, Goal, Image, Motion};
 pub(crate) use resolve::is_observed;
 pub(crate) use resolve::load_in_parts;
-pub use resolve::{load, load_from, load_in, read_through, read_through_from, read_through_in, resolve};
+pub use resolve::{
+    load, load_from, load_in, load_with_forces, read_through, read_through_from, read_through_in, resolve,
+};
 pub use resolved::{
     Balance, BalanceSystem, Body, Change, Check, Condition, Conserved, Constraint, Coordinate, Derived, Family,
-    GeneralizedForce, HIDDEN, Input, Load, Model, Need, Output, Parameter, Part, Phase, Push, Reaction,
+    GeneralizedForce, HIDDEN, Input, Load, Model, Need, Output, Parameter, Part, Phase, PointForces, Push, Reaction,
     RotationCoordinate, Sample, Scene, Shape, SharedEnd, Solid, Spin, StateOfFirstOrder, Tried, Vector, Work,
 };
 pub use rotation::{Orientation, Quaternion, Rotation, Stage, product};

@@ -63,7 +63,7 @@ const KEYS: [&str; 38] = [
 /// # Errors
 /// Everything that is wrong with the file.
 pub fn resolve(root: &Node, sizes: &[(String, i64)]) -> Result<Model, Vec<Problem>> {
-    whole(resolve_through(root, sizes, &Files::default(), false))
+    whole(resolve_through(root, sizes, &Files::default(), Wanted::Model))
 }
 
 /// The model, if nothing is wrong.
@@ -74,18 +74,28 @@ fn whole((model, problems): (Option<Model>, Vec<Problem>)) -> Result<Model, Vec<
     }
 }
 
+/// What a file is resolved to.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Wanted {
+    /// The model.
+    Model,
+    /// With what every body does to a balance as a part of its own however many they are.
+    InParts,
+    /// With the forces that act at points as its last outputs.
+    Forces,
+}
+
 /// As [`resolve`], and with all that is wrong the model too where its equations of motion are as meant: problems of
-/// units leave every expression its meaning, and what a run only observes does not enter the equations.  `in_parts`: what every body
-/// does to a balance is a part of its own however many they are.
+/// units leave every expression its meaning, and what a run only observes does not enter the equations.
 fn resolve_through(
     root: &Node,
     sizes: &[(String, i64)],
     files: &Files,
-    in_parts: bool,
+    wanted: Wanted,
 ) -> (Option<Model>, Vec<Problem>) {
     let (respelt, slips) = respelt(root);
     let mut resolver = Resolver::new(Spot::root(respelt.as_ref().unwrap_or(root)), files);
-    resolver.in_parts = in_parts;
+    resolver.in_parts = wanted == Wanted::InParts;
     resolver.slips = slips;
     resolver.head();
     // 1. Names; look in `declare.rs` and `parameters.rs`.
@@ -143,6 +153,10 @@ fn resolve_through(
     resolver.idle_constraints();
     resolver.draw();
     resolver.cycles();
+    // 6. What pictures show beside the mechanism; look in `point_forces.rs`.
+    if wanted == Wanted::Forces {
+        resolver.point_forces(&items);
+    }
     resolver.finish()
 }
 
@@ -167,12 +181,21 @@ pub fn load_in(folder: Option<&Path>, text: &str, sizes: &[(String, i64)]) -> Re
 /// # Errors
 /// Everything that is wrong with it and with them.
 pub fn load_from(files: &Files, text: &str, sizes: &[(String, i64)]) -> Result<Model, Vec<Problem>> {
-    whole(resolve_through(&crate::file::read(text)?, sizes, files, false))
+    whole(resolve_through(&crate::file::read(text)?, sizes, files, Wanted::Model))
+}
+
+/// As [`load_from`], with the forces that act at points, [`Model::point_forces`], and the components of each, where it acts and then the
+/// force, as the model's last outputs.
+///
+/// # Errors
+/// As [`load_from`].
+pub fn load_with_forces(files: &Files, text: &str, sizes: &[(String, i64)]) -> Result<Model, Vec<Problem>> {
+    whole(resolve_through(&crate::file::read(text)?, sizes, files, Wanted::Forces))
 }
 
 /// As [`load_from`], with what every body does to a balance as a part of its own however many they are.
 pub(crate) fn load_in_parts(files: &Files, text: &str, sizes: &[(String, i64)]) -> Result<Model, Vec<Problem>> {
-    whole(resolve_through(&crate::file::read(text)?, sizes, files, true))
+    whole(resolve_through(&crate::file::read(text)?, sizes, files, Wanted::InParts))
 }
 
 /// Reads and resolves the text of a file as far as it goes: all problems, and the model wherever it can be derived and
@@ -202,7 +225,7 @@ pub fn read_through_in(folder: Option<&Path>, text: &str, sizes: &[(String, i64)
 /// As [`read_through`], with the files that it names.
 pub fn read_through_from(files: &Files, text: &str, sizes: &[(String, i64)]) -> (Option<Model>, Vec<Problem>) {
     match crate::file::read(text) {
-        Ok(root) => resolve_through(&root, sizes, files, false),
+        Ok(root) => resolve_through(&root, sizes, files, Wanted::Model),
         Err(problems) => (None, problems),
     }
 }

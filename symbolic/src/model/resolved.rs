@@ -113,6 +113,8 @@ pub struct Model {
     pub clocks: Vec<Clock>,
     /// What to draw.
     pub draw: Vec<Shape>,
+    /// Forces that act at points, where the model was loaded with them.
+    pub point_forces: PointForces,
     /// Scenes; the first is the default and always there.
     pub scenes: Vec<Scene>,
     /// Motions that are asked for.
@@ -545,6 +547,15 @@ pub struct Sample {
     pub low: Id,
     /// Upper end, of parameters.
     pub high: Id,
+}
+
+/// Forces that act at points: of constraints, joints, contacts, friction, reactions of balances and loads.
+#[derive(Clone, Debug, Default)]
+pub struct PointForces {
+    /// The names of what each is of; one that acts at several points has as many forces.
+    pub names: Vec<String>,
+    /// The names of couples, and of forces of which the file does not say where they act.
+    pub elsewhere: Vec<String>,
 }
 
 /// A named scalar or vector along a run.

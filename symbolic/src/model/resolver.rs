@@ -9,7 +9,7 @@ use super::expression::index::MEMBER_LIMIT;
 use super::expression::rules::Rules;
 use super::expression::scope::{Entry, Member, Scope, Section};
 use super::files::Files;
-use super::resolved::Model;
+use super::resolved::{Model, Push};
 use super::section::contacts::ContactText;
 use super::section::joints::Fixed;
 use super::section::resolve_values::{Item, Want};
@@ -47,6 +47,8 @@ pub struct Resolver<'a> {
     pub has_knots: bool,
     /// Files that the model names.
     pub files: Files,
+    /// What the reactions of balances do to bodies, by their names.
+    pub reaction_pushes: Vec<(String, Vec<Push>)>,
     /// Contacts, to be looked at when values are known.
     pub contacts: Vec<ContactText>,
     /// Sums over blocks of bodies.
@@ -73,6 +75,7 @@ impl<'a> Resolver<'a> {
             fixed: Vec::new(),
             masses: Vec::new(),
             has_knots: false,
+            reaction_pushes: Vec::new(),
             contacts: Vec::new(),
             files: files.clone(),
             blocks: Blocks::default(),

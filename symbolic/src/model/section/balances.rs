@@ -91,6 +91,7 @@ impl<'a> Resolver<'a> {
             // What is written out may be wrong about a reaction; balances of bodies are not.
             let written = balances.iter().any(Balance::is_written) && !reactions.is_empty();
             let bodies = if written { self.of_bodies(&sums) } else { Vec::new() };
+            self.reaction_pushes.extend(unknowns.into_iter().map(|unknown| (unknown.name, unknown.pushes)));
             let place = system.place.of_key();
             let mut system = BalanceSystem { name, balances, reactions, bodies, phases, place };
             self.with_states(&mut system);

@@ -25,6 +25,7 @@ pub mod motions;
 pub mod noise;
 pub mod parameters;
 pub mod phases;
+pub mod point_forces;
 pub mod reactions;
 mod records;
 pub mod resolve_values;
