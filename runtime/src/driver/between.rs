@@ -96,7 +96,7 @@ impl Integration {
             if has_no_feature && !watched && !recorder.wants_dense(step.next) {
                 return Ok((step, false));
             }
-            if let Some(shorter) = self.beyond_stability(step).filter(|_| !is_held) {
+            if !is_held && let Some(shorter) = self.beyond_stability(step) {
                 (most, is_held) = (shorter, true);
                 self.work.retries += 1;
                 continue;
@@ -188,12 +188,19 @@ impl Integration {
         locator.explain(system, cause, (now, self.stepper.start().y), ahead)
     }
 
-    /// How long a step is to be instead, s, the end of which is good beyond the limit of stability, and the dense output of which is not.
+    /// How long a step is to be instead, s, the end of which is good beyond the limit of stability, and the dense output of which is not: that of DOP853
+    /// has stages behind its end, which grow with them.
     ///
     /// Once for a step, and by a part of it: where accelerations are rounding, so are rates, and shorter steps would have greater ones.
-    fn beyond_stability(&self, step: Step) -> Option<f64> {
-        let good = self.stiffness.between_ends(step.h, step.h * self.limiting_rate);
-        (good < step.h && matches!(self.policy, StepPolicy::Adaptive { .. })).then(|| good.max(HELD * step.h))
+    fn beyond_stability(&mut self, step: Step) -> Option<f64> {
+        let step_times_rate = step.h * self.limiting_rate;
+        let good = self.stiffness.between_ends(step.h, step_times_rate);
+        let is_poor =
+            good < step.h && matches!(self.policy, StepPolicy::Adaptive { .. }) && !self.stepper.dense_is_free();
+        if is_poor {
+            self.held_at = step_times_rate;
+        }
+        is_poor.then(|| good.max(HELD * step.h))
     }
 
     /// How long a step is to be instead, s, the dense output of which does not follow the equations.
