@@ -127,6 +127,7 @@ impl Integration {
         }
         let first = fired.iter().flat_map(|fired| &fired.actions).find(|action| **action != Action::Record);
         if first == Some(&Action::Stop) && !fired.iter().any(|fired| fired.pending) {
+            self.waiting.retain(|waiting| !fired.iter().any(|fired| fired.event == *waiting));
             // What jumps where an event ends the run belongs to it.
             if locator.is_due(self.clock.now()) {
                 recorder.leave(system, self.clock.now(), self.stepper.start());

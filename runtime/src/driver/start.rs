@@ -52,6 +52,7 @@ impl Integration {
             let actions = system.description().events[event].actions.to_vec();
             let stops = actions.contains(&Action::Stop);
             locator.record_one(system, event, (now, &y), stops, recorder);
+            self.waiting.retain(|waiting| *waiting != event);
             if stops {
                 stop_reason = Ok(StopReason::Event);
             }

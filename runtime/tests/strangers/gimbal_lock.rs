@@ -126,8 +126,8 @@ scene: {start: {a: 0, b: 0.7, c: 0, a': 0, b': -1, c': 0}, until: 3, tolerance: 
 ";
     let (found, t) = lock(&mut case(text));
     assert_eq!(found, named("B", ["a", "b", "c"]));
-    // The run fails a little before, within the thousandth of a radian in which that is the lock's doing.
-    assert!(t <= 0.7 && t > 0.7 - 1e-3, "{t}");
+    // The run fails there or a little before, within the thousandth of a radian in which that is the lock's doing.
+    assert!(t <= 0.7 + 1e-9 && t > 0.7 - 1e-3, "{t}");
 }
 
 /// Rings with inertia of their own have accelerations where the rotor's axes are parallel, and a run passes there.
