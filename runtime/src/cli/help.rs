@@ -85,8 +85,7 @@ const EXAMPLES: [(&str, &[&str]); 17] = [
         "simulate",
         &[
             "simulate double_pendulum --until 5 --plot swing.svg",
-            "simulate double_pendulum --start theta1=90deg --animate swing.html",
-            "simulate double_pendulum --animate swing.gif --arrows hinge_force,elbow_force",
+            "simulate double_pendulum --start theta1=90deg --animate swing.html --arrows hinge_force",
             "simulate double_pendulum --set m=2kg --every 0.01 --csv swing.csv",
         ],
     ),
