@@ -80,8 +80,14 @@ impl Integration {
                     if error <= 1.0 {
                         // Dense output makes other stages in the place of these.
                         self.step_times_rate = self.stepper.stiffness(h, self.stiffness.least());
-                        let remembered = if reports { self.limiting_rate } else { FORGOTTEN * self.limiting_rate };
-                        self.limiting_rate = remembered.max(self.step_times_rate / h);
+                        let shown = self.step_times_rate / h;
+                        self.limiting_rate = match self.stepper.dense_is_free() {
+                            true if reports => self.limiting_rate,
+                            true => shown,
+                            // Dense output with stages of its own needs a rate that hides.
+                            false if reports => shown.max(self.limiting_rate),
+                            false => shown.max(FORGOTTEN * self.limiting_rate),
+                        };
                         self.look_for_jumps(system, step)?;
                         self.held_steps = if error >= self.control.growing() { self.held_steps + 1 } else { 0 };
                         if self.held_steps > 0 {
