@@ -192,14 +192,10 @@ impl Integration {
     /// has stages behind its end, which grow with them.
     ///
     /// Once for a step, and by a part of it: where accelerations are rounding, so are rates, and shorter steps would have greater ones.
-    fn beyond_stability(&mut self, step: Step) -> Option<f64> {
-        let step_times_rate = step.h * self.limiting_rate;
-        let good = self.stiffness.between_ends(step.h, step_times_rate);
+    fn beyond_stability(&self, step: Step) -> Option<f64> {
+        let good = self.stiffness.between_ends(step.h, step.h * self.limiting_rate);
         let is_poor =
             good < step.h && matches!(self.policy, StepPolicy::Adaptive { .. }) && !self.stepper.dense_is_free();
-        if is_poor {
-            self.held_at = step_times_rate;
-        }
         is_poor.then(|| good.max(HELD * step.h))
     }
 

@@ -158,8 +158,6 @@ pub(crate) struct Integration {
     step_times_rate: f64,
     /// The fastest rate |λ| that the last whole step told of, 1/s; 0 where that is far from limiting it.
     limiting_rate: f64,
-    /// h|λ| of the present step before it was cut for its dense output; 0 where it was not.
-    held_at: f64,
     /// How many steps in a row would have poor dense output.
     poor_steps: u32,
     /// When the next state is reported, s.
@@ -199,7 +197,6 @@ impl Integration {
             leaves_where_stiff: None,
             step_times_rate: 0.0,
             limiting_rate: 0.0,
-            held_at: 0.0,
             poor_steps: 0,
             reports_at: f64::INFINITY,
             begins: false,
@@ -530,8 +527,7 @@ impl Integration {
 
     /// Warns where the step is limited by stability; whether it is.
     fn look_for_stiffness(&mut self, step: Step, recorder: &mut Recorder) -> bool {
-        // A step that was cut for its dense output would have been as long as that.
-        let step_times_rate = self.step_times_rate.max(std::mem::take(&mut self.held_at));
+        let step_times_rate = self.step_times_rate;
         let is_stiff = matches!(self.policy, StepPolicy::Adaptive { .. }) && self.stiffness.observe(step_times_rate);
         if is_stiff {
             recorder.warn(Warning::Stiff { t: step.next, step_times_rate });
