@@ -118,10 +118,11 @@ struct Least {
 
 impl Least {
     fn of(matrix: &DMatrix<f64>, most: usize) -> Option<Self> {
-        let (scaled, rows, columns) = equilibrated(matrix);
         if matrix.is_empty() {
+            let [rows, columns] = [matrix.nrows(), matrix.ncols()].map(DVector::zeros);
             return Some(Least { rows, columns, decomposed: None, negligible: 0.0 });
         }
+        let (scaled, rows, columns) = equilibrated(matrix);
         let size = scaled.amax().max(f64::MIN_POSITIVE) * scaled.nrows().max(scaled.ncols()) as f64;
         let decomposed = svd(scaled, true, true)?;
         let beyond = decomposed.singular_values.get(most).copied().unwrap_or(0.0);

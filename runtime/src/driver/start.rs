@@ -81,6 +81,7 @@ impl Integration {
         let Some(mut locator) = self.locator.take() else { return Ok(StopReason::Arrived) };
         let (now, y) = (self.clock.now(), self.stepper.start().y.to_vec());
         let span = self.until - now;
+        let is_first = self.h == 0.0 && self.work.steps == 0;
         if self.h == 0.0 {
             // Ticks end it sooner, wherever the motion ends.
             self.h = self.first(system, span.min(self.ticks.after(now) - now));
@@ -95,7 +96,8 @@ impl Integration {
         } else if let Some(switch) = locator.undecided(system) {
             recorder.warn(Warning::BothSidesLeave { switch });
         }
-        if start == Starting::Anew {
+        // What another run, or this one before a change by hand, has passed is past.
+        if start == Starting::Anew && is_first {
             self.waiting = locator.waiting_at_start(system, (now, &y));
             self.waiting.retain(|event| !past.contains(event));
         }

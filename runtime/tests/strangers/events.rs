@@ -1,9 +1,9 @@
 //! Events early in long steps, starts on guards, accumulating impacts.
 
-use dalembert::Warning;
 use dalembert::mechanism::Method;
+use dalembert::{Run, Warning};
 
-use super::case;
+use super::{case, folder, program, simulation};
 
 /// A relay's gap of 10 nm that closes under 1 m/s², asked for much longer than that takes.
 const GAP: &str = r#"
@@ -163,6 +163,31 @@ fn a_stop_that_a_start_goes_past_is_named() {
         events: {land: {when: x', direction: falling, then: stop}}\nscene: {start: {x: 1}, until: 10}\n";
     let run = case(swing).run();
     assert!((run.last().t - 2.0 * std::f64::consts::PI).abs() < 1e-7 && !told(swing), "{}", run.last().t);
+}
+
+/// What a run has passed before a value is set by hand, or before it was saved, is past.
+#[test]
+fn what_was_passed_before_is_not_told() {
+    let text = "name: Count\ncoordinates: {x: 1}\ninputs: {u: 0}\nmemory: {n: 0}\nkinetic_energy: x'^2/2\n\
+        generalized_forces: {x: u}\nevents: {above: {when: x - 1, direction: rising, then: {set: {n: n + 1}}}}\n\
+        scene: {start: {x': 1}, until: 3}\n";
+    let told = |run: &Run| run.warnings.iter().any(|warning| matches!(warning, Warning::NeverPassed { .. }));
+    let mut by_hand = simulation(text).by_hand().expect("a start");
+    for _ in 0..6 {
+        by_hand.set_input("u", 1e-3).expect("an input");
+        by_hand.advance(0.5).expect("a step");
+    }
+    assert!(!told(&by_hand.finish()));
+    let folder = folder("passed");
+    let (path, saved) = (folder.join("count.yaml"), folder.join("saved.yaml"));
+    let [path, saved] = [&path, &saved].map(|path| path.to_str().expect("a path"));
+    std::fs::write(path, text).expect("a file");
+    program(&["simulate", path, "--until", "2", "--save", saved]).expect("a run");
+    let later = program(&["simulate", path, "--state", saved, "--until", "3"]).expect("a run");
+    assert!(!later.contains("does not happen"), "{later}");
+    // A run that begins there does not know of it.
+    let beyond = program(&["simulate", path, "--start", "x=2"]).expect("a run");
+    assert!(beyond.contains("`above` does not happen"), "{beyond}");
 }
 
 #[test]
