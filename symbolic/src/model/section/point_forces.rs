@@ -106,6 +106,7 @@ impl Resolver<'_> {
         for load in self.model.loads.clone().iter().filter(|load| !load.is_moved()) {
             found.add_pushes(self, &load.name, &load.pushes);
         }
+        // What means nothing once points are moved has no force here; it is no mistake of the file.
         self.builder.problems.clear();
         let Found { forces, mut elsewhere } = found;
         elsewhere.retain(|name| forces.iter().all(|force| force.name != *name));
