@@ -10,9 +10,6 @@ use crate::mechanism::sliding::return_to_surfaces;
 
 /// So many steps in a row whose dense output stability makes poor are no chance.
 const POOR: u32 = 3;
-/// By so much less counts a rate that limited earlier steps, with each step that does not show it: where the motion goes slowly, and steps are long,
-/// differences of stages are rounding, or those of what is slow.
-const FORGOTTEN: f64 = 0.9;
 
 impl Integration {
     /// Tries steps until one is good.
@@ -46,9 +43,9 @@ impl Integration {
                 h = met.min(most);
                 // Where stability limits a step its dense output is poor: a state that is reported is the end of a step, or within a shorter one.
                 let report = self.reports_at - now;
-                let good = self.stiffness.between_ends(step.h, self.limiting_rate * step.h);
-                self.poor_steps = if good < step.h { self.poor_steps + 1 } else { 0 };
-                let good = good.max(report);
+                let good = self.stiffness.between_ends(step.h, self.limiting_rate * step.h).max(report);
+                let is_poor = good < step.h;
+                self.poor_steps = if is_poor { self.poor_steps + 1 } else { 0 };
                 // A few may pass where something grows.
                 reports = self.poor_steps >= POOR && report > self.shortest() && good < h.min(step.h);
                 if reports {
@@ -80,14 +77,9 @@ impl Integration {
                     if error <= 1.0 {
                         // Dense output makes other stages in the place of these.
                         self.step_times_rate = self.stepper.stiffness(h, self.stiffness.least());
-                        let shown = self.step_times_rate / h;
-                        self.limiting_rate = match self.stepper.dense_is_free() {
-                            true if reports => self.limiting_rate,
-                            true => shown,
-                            // Dense output with stages of its own needs a rate that hides.
-                            false if reports => shown.max(self.limiting_rate),
-                            false => shown.max(FORGOTTEN * self.limiting_rate),
-                        };
+                        if !reports {
+                            self.limiting_rate = self.step_times_rate / h;
+                        }
                         self.look_for_jumps(system, step)?;
                         self.held_steps = if error >= self.control.growing() { self.held_steps + 1 } else { 0 };
                         if self.held_steps > 0 {
@@ -97,7 +89,7 @@ impl Integration {
                         // A step cut short by a stop says nothing against the longer one before it.
                         self.h = if lands || reports { proposal.max(self.h) } else { proposal };
                         if self.decorrelate_steps {
-                            self.h = self.h.min(self.stiffness.between_ends(h, self.limiting_rate * h));
+                            self.h = self.h.min(self.stiffness.between_ends(h, self.step_times_rate));
                         }
                         return Ok(step);
                     }

@@ -51,8 +51,6 @@ impl Defect {
 
 /// A step is tried again for what was seen inside it at most so often.
 const RETRIES: u32 = 16;
-/// The part of a step to which stability cuts it at most.  Steps that are twice as long as stability allows occur, and half of what it allows is good.
-const HELD: f64 = 0.25;
 /// Steps are cut no shorter than so many roundings of the time.
 const RESOLVED: f64 = 64.0;
 /// Distances are zero within this part of the largest.
@@ -71,7 +69,7 @@ impl Integration {
         locator: &mut Option<Box<EventLocator>>,
         recorder: &Recorder,
     ) -> Result<(Step, bool), Box<Cause>> {
-        let (mut retries, mut defective, mut is_held) = (0, Vec::new(), false);
+        let (mut retries, mut defective) = (0, Vec::new());
         loop {
             let step = self.attempt(system, stop, most, locator)?;
             if retries == RETRIES {
@@ -95,11 +93,6 @@ impl Integration {
             let watched = locator.as_ref().is_some_and(|locator| locator.wants_dense(system));
             if has_no_feature && !watched && !recorder.wants_dense(step.next) {
                 return Ok((step, false));
-            }
-            if !is_held && let Some(shorter) = self.beyond_stability(step) {
-                (most, is_held) = (shorter, true);
-                self.work.retries += 1;
-                continue;
             }
             self.dense(system, step)?;
             if let StepPolicy::Fixed(_) = self.policy {
@@ -186,17 +179,6 @@ impl Integration {
         };
         let Some(locator) = locator else { return cause };
         locator.explain(system, cause, (now, self.stepper.start().y), ahead)
-    }
-
-    /// How long a step is to be instead, s, the end of which is good beyond the limit of stability, and the dense output of which is not: that of DOP853
-    /// has stages behind its end, which grow with them.
-    ///
-    /// Once for a step, and by a part of it: where accelerations are rounding, so are rates, and shorter steps would have greater ones.
-    fn beyond_stability(&self, step: Step) -> Option<f64> {
-        let good = self.stiffness.between_ends(step.h, step.h * self.limiting_rate);
-        let is_poor =
-            good < step.h && matches!(self.policy, StepPolicy::Adaptive { .. }) && !self.stepper.dense_is_free();
-        is_poor.then(|| good.max(HELD * step.h))
     }
 
     /// How long a step is to be instead, s, the dense output of which does not follow the equations.

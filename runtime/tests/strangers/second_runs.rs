@@ -426,32 +426,6 @@ fn what_is_held_takes_no_digits_from_what_moves() {
     assert!(printed.contains("x = 3.80122298") && printed.contains("x' = -2.29681342"), "{printed}");
 }
 
-/// A current that settles a hundred times faster than the rotor turns: where stability limits steps, their ends are good, and what is reported between
-/// them has to be as well.
-#[test]
-fn states_inside_steps_that_stability_limits_are_good() {
-    let file = "name: Motor\nparameters: {J: 1e-3, L: 1e-3, R: 1, K: 0.05, U: 12, b: 1e-4}\ncoordinates: {phi: 1}\n\
-        states: {i: {unit: 1, rate: (U - R*i - K*phi')/L}}\nkinetic_energy: J*phi'^2/2\n\
-        generalized_forces: {phi: K*i - b*phi'}\nscene: {start: {i: 0}, until: 0.25}\n";
-    // i'' + (R/L + b/J) i' + (R b + K²)/(L J) i = b U/(L J), i = 0 and i' = U/L first.
-    let (j, l, r, k, u, b) = (1e-3, 1e-3, 1.0, 0.05, 12.0, 1e-4);
-    let (damping, stiffness) = (r / l + b / j, (r * b + k * k) / (l * j));
-    let root = f64::sqrt(damping * damping / 4.0 - stiffness);
-    let [slow, fast] = [root, -root].map(|root| root - damping / 2.0);
-    let last = b * u / (l * j) / stiffness;
-    let by_slow = (u / l + fast * last) / (slow - fast);
-    let current = |t: f64| last + by_slow * (slow * t).exp() - (last + by_slow) * (fast * t).exp();
-    for tolerance in [1e-8, 1e-10, 1e-11, 1e-12] {
-        let mut case = case(file);
-        (case.settings.tolerance, case.settings.method) = (tolerance, Method::Dop853);
-        case.settings.every = Some(0.0025);
-        let run = case.run();
-        let found = run.column("i").expect("the current");
-        let off = run.times().iter().zip(found).map(|(t, found)| (found - current(*t)).abs()).fold(0.0, f64::max);
-        assert!(off < 200.0 * tolerance * 11.0, "{tolerance}: {off:e}");
-    }
-}
-
 /// A run that goes on from a saved state knows no more of it than the run that led there.
 #[test]
 fn what_follows_a_saved_state_has_its_errors() {
