@@ -154,6 +154,8 @@ pub(crate) struct Integration {
     stiffness: StiffnessDetector,
     /// The motion ends where stability limits its steps, if more than these are left.
     leaves_where_stiff: Option<f64>,
+    /// Stability may limit steps until so many are taken.
+    stays_until: u64,
     /// h|λ| at the end of the step that was tried.
     step_times_rate: f64,
     /// The fastest rate |λ| that the last whole step told of, 1/s; 0 where that is far from limiting it.
@@ -195,6 +197,7 @@ impl Integration {
             control: StepControl::new(stepper.control()),
             stiffness: StiffnessDetector::new(stepper.control().stiff),
             leaves_where_stiff: None,
+            stays_until: 0,
             step_times_rate: 0.0,
             limiting_rate: 0.0,
             poor_steps: 0,
@@ -256,6 +259,11 @@ impl Integration {
     /// Ends where stability limits more steps than these that are left, or only warns.
     pub fn leave_where_stiff(&mut self, more_than: Option<f64>) {
         self.leaves_where_stiff = more_than;
+    }
+
+    /// Goes on where stability limits steps, until as many again are taken.
+    pub fn stay_where_stiff(&mut self) {
+        self.stays_until = 2 * self.work.steps;
     }
 
     /// The numbers of the next ticks of all clocks.
@@ -441,15 +449,14 @@ impl Integration {
                     let Outcome::Kept(stop_reason) = outcome? else { continue };
                     let begins_stiffly = self.look_at_combination(system, recorder);
                     let left = (self.until - step.next) / step.h;
-                    if is_stiff && self.leaves_where_stiff.is_some_and(|most| left > most) || begins_stiffly {
-                        return Ok(StopReason::Stiff);
-                    }
+                    let is_limited = is_stiff && self.leaves_where_stiff.is_some_and(|most| left > most);
+                    let leaves = (is_limited || begins_stiffly) && self.work.steps >= self.stays_until;
                     self.traced *= LONGER;
                     self.look_at_constraints(system, recorder)?;
                     self.look_at_contacts(system)?;
                     self.follow_directions(system, recorder)?;
                     self.choose_gain(system);
-                    return Ok(stop_reason);
+                    return Ok(if leaves { StopReason::Stiff } else { stop_reason });
                 }
             }
         }

@@ -108,14 +108,13 @@ pub(super) fn steps_where_stiff(system: &dyn System, settings: &Settings) -> Opt
     }
 }
 
-/// What becomes of a run that stability limits at a state: it begins again with a stiff method where the fastest there decays rather than vibrates, which
+/// Whether a run that stability limits at a state begins again with a stiff method: where the fastest there decays rather than vibrates, which
 /// a stiff method would damp.
-pub(super) fn where_stiff(system: &dyn System, t: f64, y: &[f64]) -> WhereStiff {
+pub(super) fn turns(system: &dyn System, t: f64, y: &[f64]) -> bool {
     let (q, v) = y.split_at(y.len() / 2);
     let rates = rates_however_many(system, t, q, v).unwrap_or_default();
     let fastest = rates.into_iter().max_by(|a, b| a.norm().total_cmp(&b.norm()));
-    let decays = fastest.is_some_and(|rate| -rate.re > rate.im.abs());
-    if decays || slides_in_space(system) { WhereStiff::Turned } else { WhereStiff::Stays }
+    fastest.is_some_and(|rate| -rate.re > rate.im.abs()) || slides_in_space(system)
 }
 
 /// Whether there are contacts that slide in any direction.

@@ -184,18 +184,22 @@ fn together(
     let clock = Stopwatch::start();
     let Start { mut integration, mut recorder, outcome } = start(system, settings, settings.spacing())?;
     integration.leave_where_stiff(auto::steps_where_stiff(system, settings));
-    let outcome = outcome.and_then(|()| integration.advance(system, settings.until, &mut recorder, progress));
-    match outcome {
-        Ok(StopReason::Stiff) => {
-            let where_stiff = auto::where_stiff(system, integration.time(), integration.state().y);
+    let mut outcome = outcome.and_then(|()| integration.advance(system, settings.until, &mut recorder, progress));
+    while matches!(outcome, Ok(StopReason::Stiff)) {
+        if auto::turns(system, integration.time(), integration.state().y) {
             let begun_again = |where_stiff| Settings { where_stiff, ..settings.clone() };
-            match together(system, &begun_again(where_stiff), progress) {
-                Err(error @ Error::Run(_)) if !error.is_interruption() && where_stiff == WhereStiff::Turned => {
+            return match together(system, &begun_again(WhereStiff::Turned), progress) {
+                Err(error @ Error::Run(_)) if !error.is_interruption() => {
                     together(system, &begun_again(WhereStiff::Stays), progress)
                 }
                 outcome => outcome,
-            }
+            };
         }
+        // What vibrates now may decay later.
+        integration.stay_where_stiff();
+        outcome = integration.advance(system, settings.until, &mut recorder, progress);
+    }
+    match outcome {
         Ok(_) => Ok(finish(system, &integration, recorder, clock)),
         Err(cause) => Err(fail(*cause, system, &integration, recorder, clock)),
     }
