@@ -95,6 +95,15 @@ pub enum Cause {
         /// By how much it is missed, in its unit.
         residual: f64,
     },
+    /// An event strikes along a constraint that does not hold there: nothing touches.
+    ImpactMisses {
+        /// The event.
+        event: String,
+        /// The constraint.
+        constraint: String,
+        /// By how much it is missed, in its unit.
+        residual: f64,
+    },
     /// A coefficient of restitution is not between 0 and 1.
     BadRestitution {
         /// Its value.
@@ -367,6 +376,7 @@ impl Cause {
             Cause::StartMissesConstraint { .. } | Cause::Unreachable { .. } => "inconsistent start",
             Cause::SingularConfiguration { .. } => "singular configuration",
             Cause::PhaseMisses { .. } => "phase misses",
+            Cause::ImpactMisses { .. } => "impact misses",
             Cause::BadRestitution { .. } => "bad restitution",
             Cause::ImpactsAccumulate { .. } => "impacts accumulate",
             Cause::ConstraintLost { .. } => "constraint lost",
@@ -466,6 +476,12 @@ impl fmt::Display for Cause {
                 f,
                 "the phase `{phase}` is entered where `{constraint}` does not hold: it is missed by {size:.3e}; let the \
                  event's function be zero where the constraint is",
+                size = residual.abs()
+            ),
+            Cause::ImpactMisses { event, constraint, residual } => write!(
+                f,
+                "`{event}` strikes along `{constraint}`, which is not touched: it is missed by {size:.3e}; let the event \
+                 happen where the constraint is zero, or name in `along` the one that is zero there",
                 size = residual.abs()
             ),
             Cause::BadRestitution { value } => {

@@ -143,7 +143,8 @@ impl Integration {
                 Ok(Done { acts: self.begins, strikes: self.begins })
             }
             Action::Impact { along, restitution } => {
-                let Struck { restitution: e, impulses } = self.strike(system, along, restitution as usize, recorder)?;
+                let Struck { restitution: e, impulses } =
+                    self.strike(system, (event, along), restitution as usize, recorder)?;
                 let now = self.clock.now();
                 let end = match e == 0.0 || self.is_too_low(system, along) {
                     true => Some(now),
@@ -251,22 +252,10 @@ impl Integration {
         system.set_phase(phase);
         let active: Vec<usize> = rows_in_force(system).collect();
         let now = self.clock.now();
-        if let Some(projection) = &mut self.projection {
-            projection.observe(system, now, self.stepper.start().y);
-            let entering = active.iter().filter(|row| !before.contains(&(**row as u32)));
-            for &row in entering {
-                let known = &system.description().rows[row];
-                let within = || {
-                    let struck = self.struck.as_ref().filter(|(t, _)| *t == now);
-                    let y = struck.map_or(self.stepper.start().y, |(_, y)| y);
-                    closed_within(system, At::packed(now, y, system.len()), projection.scales())[row]
-                };
-                let missed = projection.misses(row).filter(|_| known.holonomic);
-                if let Some(residual) = missed.filter(|c| c.is_nan() || c.abs() > within()) {
-                    let phase = system.description().phases[phase].name.to_string();
-                    return Err(Cause::PhaseMisses { phase, constraint: known.name.to_string(), residual }.into());
-                }
-            }
+        let entering: Vec<usize> = active.iter().copied().filter(|row| !before.contains(&(*row as u32))).collect();
+        if let Some((constraint, residual)) = self.missed(system, &entering) {
+            let phase = system.description().phases[phase].name.to_string();
+            return Err(Cause::PhaseMisses { phase, constraint, residual }.into());
         }
         // Springs take up what speed there is.
         if !is_sprung(system) {
@@ -282,17 +271,37 @@ impl Integration {
         Ok(strikes)
     }
 
-    /// An impact along a constraint, with those that are active kept; the coefficient of restitution, and the impulses.
+    /// The first of some rows whose holonomic constraint does not hold here, and by how much it is missed.
+    fn missed(&mut self, system: &dyn System, rows: &[usize]) -> Option<(String, f64)> {
+        let now = self.clock.now();
+        let projection = self.projection.as_mut()?;
+        projection.observe(system, now, self.stepper.start().y);
+        let within = |row: usize| {
+            let struck = self.struck.as_ref().filter(|(t, _)| *t == now);
+            let y = struck.map_or(self.stepper.start().y, |(_, y)| y);
+            closed_within(system, At::packed(now, y, system.len()), projection.scales())[row]
+        };
+        let holonomic = rows.iter().copied().filter(|row| system.description().rows[*row].holonomic);
+        let missed = |row: usize| Some((row, projection.misses(row)?));
+        let (row, residual) = holonomic.filter_map(missed).find(|(row, c)| c.is_nan() || c.abs() > within(*row))?;
+        Some((system.description().rows[row].name.to_string(), residual))
+    }
+
+    /// An impact of an event along a constraint, with those that are active kept; the coefficient of restitution, and the impulses.
     fn strike(
         &mut self,
         system: &mut dyn System,
-        along: u32,
+        (event, along): (usize, u32),
         restitution: usize,
         recorder: &mut Recorder,
     ) -> Result<Struck, Box<Cause>> {
         let e = system.restitutions().get(restitution).copied().unwrap_or(0.0);
         possible_restitution(e)?;
         let rows_along = rows_of(system, along);
+        if let Some((constraint, residual)) = self.missed(system, &rows_along) {
+            let event = system.description().events[event].name.to_string();
+            return Err(Cause::ImpactMisses { event, constraint, residual }.into());
+        }
         let rows = with(system, &rows_along);
         recorder.jump(|| SpeedJump { rows: rows.clone(), hit: Some((rows_along.clone(), restitution)) });
         let restitution = |row: usize| if rows_along.contains(&row) { e } else { 0.0 };

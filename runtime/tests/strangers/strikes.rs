@@ -1,6 +1,6 @@
 //! Impacts that were refused: `static` larger than `friction`, and floors that are faster at once where no length tells what a gap is beside.
 
-use dalembert::Method;
+use dalembert::{Cause, Method};
 
 use super::case;
 
@@ -221,4 +221,35 @@ scene: {start: {x': v}, until: 2, tolerance: 1e-10}
         let rolls = case(&scaled).run().last()["x'"];
         assert!((rolls / size - 2.0).abs() < 1e-9, "{length}: {rolls}");
     }
+}
+
+/// A ball that an event strikes along its floor.
+fn struck(events: &str) -> String {
+    format!(
+        "name: T\nparameters: {{m: 1 kg, g: 10 m/s^2, d: 1 mm}}\ncoordinates: {{x: m, y: m}}\nmemory: {{n: 0}}\n\
+         bodies: {{b: {{mass: m, position: \"[x, y]\"}}}}\ngravity: [0, -g]\nconstraints: {{floor: y}}\nphases: {{free: []}}\n\
+         events: {{{events}}}\nscene: {{start: {{x: 0, y: 10, x': 1.5, y': 3}}, until: 2.5}}\n"
+    )
+}
+
+/// Ticks, what they set and a height above the floor struck in the air.
+#[test]
+fn what_is_not_touched_is_not_struck() {
+    let set = "t: {every: 0.5 s, then: {set: {n: n + 1}}}, hit: {on_set: n, then: {impact: 1, along: floor}}";
+    for (events, event, height) in [
+        ("hit: {every: 0.5 s, then: [{set: {n: n + 1}}, {impact: 1, along: floor}]}", "hit", 10.0),
+        (set, "hit", 10.0),
+        ("hit: {when: y - d, direction: falling, then: {impact: 1, along: floor}}", "hit", 1e-3),
+    ] {
+        let error = case(&struck(events)).try_run().expect_err("an impact in the air");
+        match error.cause() {
+            Some(Cause::ImpactMisses { event: told, constraint, residual }) => {
+                assert_eq!((told.as_str(), constraint.as_str()), (event, "floor"));
+                assert!((residual - height).abs() < 1e-9, "{events}: {residual}");
+            }
+            _ => panic!("{events}: {error}"),
+        }
+    }
+    let run = case(&struck("hit: {when: y, direction: falling, then: {impact: 1, along: floor}}")).run();
+    assert_eq!(run.impulses.len(), 1);
 }
