@@ -19,7 +19,7 @@ use crate::events::{Ticks, begin_at};
 use crate::integrate::order;
 use crate::matrix::solve_least;
 use crate::mechanism::dense::{constraint_matrix, constraint_triples, sizes_alike};
-use crate::mechanism::{Action, Argument, At, Method, Role, System, Watched, rows_in_force};
+use crate::mechanism::{Action, Argument, At, Event, Method, Role, System, Watched, rows_in_force};
 use crate::run::{Digits, Run, evaluate_outputs};
 use crate::trust::{Loss, Warning, all_rates, inertia_condition};
 
@@ -150,6 +150,8 @@ pub(crate) fn estimate_global_error(
         let why = reason(system, settings, run, (t, column), &mut goes_on);
         let column = run.column_names().swap_remove(column);
         run.warnings.push(Warning::DigitsLost { t, column, why });
+    } else if let Some(time) = stays_unstably(system, settings, run) {
+        run.warnings.push(Warning::StaysUnstably { time });
     }
     run.digits = Some(digits);
 }
@@ -527,6 +529,25 @@ fn reason(
 /// True where the motion begins on a kink or jump that leads away to both sides.
 fn leaves_to_either_side(run: &Run) -> bool {
     run.warnings.iter().any(|warning| matches!(warning, Warning::BothSidesLeave { .. }))
+}
+
+/// A double eigenvalue 0 comes out as large as the square root of rounding makes it, beside the largest one.
+const ZERO_RATE: f64 = 1e-6;
+
+/// In which time differences grow e times where a motion stays at rest from its start to its end in an unstable equilibrium; `None` where forces of
+/// contacts, discontinuities or ticks may hold it there.
+fn stays_unstably(system: &dyn System, settings: &Settings, run: &Run) -> Option<f64> {
+    let (n, description) = (system.len(), system.description());
+    let holds = !description.switches.is_empty() || !system.contacts().all.is_empty();
+    let start = run.rows.get(..2 * n)?;
+    let stays = start[n..].iter().all(|v| *v == 0.0) && run.rows.chunks_exact(2 * n).all(|row| row == start);
+    if holds || !stays || description.events.iter().any(Event::changes_motion) {
+        return None;
+    }
+    let rates = all_rates(system, settings.from, &start[..n], &start[n..])?;
+    let largest = rates.iter().map(|rate| rate.norm()).fold(0.0, f64::max);
+    let grows = rates.iter().map(|rate| rate.re).fold(0.0, f64::max);
+    (grows > ZERO_RATE * largest && grows * (settings.until - settings.from) > 1.0).then(|| 1.0 / grows)
 }
 
 /// True where the motion begins at rest in an unstable equilibrium, and stays one as time goes by: all that moves it is rounding, as a start that is

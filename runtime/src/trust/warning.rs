@@ -139,6 +139,11 @@ pub enum Warning {
         /// The event.
         event: String,
     },
+    /// It stays where it starts, at rest in an unstable equilibrium.
+    StaysUnstably {
+        /// In which time what disturbs it grows e times, s.
+        time: f64,
+    },
     /// More events happened than are kept.
     EventsEnd {
         /// When the first was left out, s.
@@ -417,6 +422,11 @@ impl fmt::Display for Warning {
             Warning::NeverPassed { event } => write!(
                 f,
                 "`{event}` does not happen: at the start its function is past zero in its direction, or at zero and goes past; start on its other side"
+            ),
+            Warning::StaysUnstably { time } => write!(
+                f,
+                "it stays at rest in an unstable equilibrium: any disturbance grows e times in {time} s, and nothing disturbs it here",
+                time = short(*time)
             ),
             Warning::EventsEnd { t, kept } => {
                 write!(

@@ -448,3 +448,37 @@ fn what_follows_a_saved_state_has_its_errors() {
     assert!((told.parse::<f64>().expect("a number") - whole).abs() <= unit, "{told} for {whole}");
     assert!((1..8).contains(&decimals), "{told}");
 }
+
+/// What nothing moves stays at the top, and a disturbance would not; at the bottom, and where a run is shorter than disturbances need to grow, nothing is to
+/// be told.
+#[test]
+fn a_rest_at_zero_that_is_unstable_is_told() {
+    let rod = |up: &str, more: &str, until: &str| {
+        format!(
+            "name: T\nparameters: {{m: 1 kg, l: 1 m, g: 10 m/s^2}}\ncoordinates: {{th: rad}}\n\
+             bodies: {{b: {{mass: m, inertia: m*l^2/12, angle: th, position: '{up}*l/2*[-sin(th), cos(th)]'}}}}\n\
+             gravity: [0, -g]\n{more}scene: {{start: {{th: 0}}, until: {until}}}\n"
+        )
+    };
+    let time = |text: &str| {
+        judged(text).warnings.into_iter().find_map(|warning| match warning {
+            Warning::StaysUnstably { time } => Some(time),
+            _ => None,
+        })
+    };
+    // m l²/3 θ'' = m g l/2 θ.
+    let expected = (1.0_f64 / 15.0).sqrt();
+    let told = time(&rod("1", "", "1")).expect("a warning");
+    assert!((told - expected).abs() < 1e-12, "{told}");
+    assert_eq!(time(&rod("1", "", "0.2")), None);
+    assert_eq!(time(&rod("-1", "", "1e9")), None);
+    // Free to drift, which is no growth; and held by friction.
+    assert_eq!(
+        time(
+            "name: T\ncoordinates: {x: 1, y: 1}\nkinetic_energy: (x'^2 + y'^2)/2\npotential_energy: x^2/2\nscene: {until: 1e12}\n"
+        ),
+        None
+    );
+    let rub = "friction: {rub: {rate: \"th'\", limit: 1 N*m}}\n";
+    assert_eq!(time(&rod("1", rub, "1")), None);
+}
