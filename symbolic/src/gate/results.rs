@@ -4,9 +4,10 @@
 //! bodies do, if nothing acts there but loads and named reactions.  Which other reactions there may be follows from the
 //! motions that the file admits: reactions do no work on them, and so they lie in a space S of forces and moments on all
 //! bodies, Vᵀ f = Jᵀ μ with the velocities V q' of all bodies and constraints J q' = 0.  Where the named reactions span S there
-//! is no room for another one, and a reaction that is independent of the others has one value.  Where they do not (a guide
-//! that nobody named), nothing is said: the guide might take anything.  Directions that share no coordinate, constraint or
-//! reaction are judged one by one.
+//! is no room for another one, and a reaction that is independent of the others has one value.  Supports that nobody named may fill the
+//! room first: on a body alone, where it cannot move, as the pin of a pendulum.  Where there is room all the same (a guide that nobody
+//! named), nothing is said: the guide might take anything.  Directions that share no coordinate, constraint or reaction are judged one by
+//! one.
 
 use super::Gate;
 use super::motion::{Motion, blocks};
@@ -43,7 +44,7 @@ pub(super) fn confirmed(
     let own: Vec<Values> = assembled.iter().zip(states).map(|(a, state)| a.eliminated(&state.a).reactions).collect();
     let by_bodies = match &linear.bodies {
         Some(bodies) if bodies_see_everything(model) => {
-            by_bodies(model, motion, (system, bodies), (&own, states), Unnamed::Nowhere)
+            by_bodies(model, motion, (system, bodies), (&own, states), Judged::ThatHold)
         }
         _ => Vec::new(),
     };
@@ -94,8 +95,7 @@ pub(super) fn confirmed(
     if problems.is_empty() { Ok(words) } else { Err(problems) }
 }
 
-/// The reactions of a system that is wrong by force and moment on the bodies, component by component, to find out which equation is:
-/// bodies may rest on supports that nobody named.
+/// The reactions of a system that is wrong by force and moment on the bodies, component by component, to find out which equation is.
 pub(super) fn presumed(
     model: &mut Model,
     motion: &Motion,
@@ -105,18 +105,18 @@ pub(super) fn presumed(
     let own: Vec<Values> = assembled.iter().zip(states).map(|(a, state)| a.eliminated(&state.a).reactions).collect();
     match &linear.bodies {
         Some(bodies) if bodies_see_everything(model) => {
-            by_bodies(model, motion, (system, bodies), (&own, states), Unnamed::Supports)
+            by_bodies(model, motion, (system, bodies), (&own, states), Judged::All)
         }
         _ => Vec::new(),
     }
 }
 
-/// Where reactions that nobody named may act.
+/// Which reactions are asked for.
 #[derive(Clone, Copy, PartialEq)]
-enum Unnamed {
-    Nowhere,
-    /// On a body where it cannot move anyway, constraints apart, if no named reaction acts there.
-    Supports,
+enum Judged {
+    /// Those that can be what holds the bodies; others may be names of loads.
+    ThatHold,
+    All,
 }
 
 /// The reactions of a system with the places of their components.
@@ -161,37 +161,41 @@ fn by_bodies(
     motion: &Motion,
     (system, bodies): (&BalanceSystem, &Momentum),
     (own, states): (&[Values], &[State]),
-    unnamed: Unnamed,
+    judged: Judged,
 ) -> Vec<Values> {
     let n = model.coordinates.len();
     let balances = with_multipliers(Assembled::derived(&model.graph, bodies, states), bodies, states);
     let count = balances.first().map_or(0, |b| b.size - n);
     let mut told = vec![vec![None; states.len()]; count];
     let velocities = Velocities::new(model);
+    let pushed: Vec<usize> = model.loads.iter().flat_map(|load| &load.pushes).filter_map(|push| push.body).collect();
     let doubled = model.loads.iter().flat_map(Load::expressions).collect::<Vec<_>>();
     let rubs = model.graph.symbols(doubled).iter().any(|s| matches!(s, Symbol::Multiplier(_)));
     for part in parts(motion, &velocities, (bodies, count)) {
         if part.reactions.is_empty() || part.directions.len() > DIRECTIONS {
             continue;
         }
-        let seen: Vec<Option<Seen>> = (0..states.len())
-            .map(|k| Seen::new(&part, &velocities, motion, (&balances[k], &states[k]), unnamed))
-            .collect();
+        let seen: Vec<Option<Seen>> =
+            (0..states.len()).map(|k| Seen::new(&part, &velocities, motion, (&balances[k], &states[k]))).collect();
         // A guide that shows at some states only is there at all of them.
-        let room = |seen: &Seen| contains(&seen.all(), &seen.ideal, part.directions.len()) == Some(false);
-        if seen.iter().flatten().any(room) {
+        if seen.iter().flatten().any(|seen| seen.has_room(part.directions.len()) == Some(true)) {
             continue;
         }
-        for (k, seen) in seen.iter().enumerate() {
-            for (place, component) in part.reactions.iter().enumerate() {
-                let of = reactions(model, system).find(|(_, _, components)| components.contains(component));
-                let whole =
-                    |other: &usize| of.as_ref().is_some_and(|(_, _, all)| all.contains(&part.reactions[*other]));
-                let one = if rubs { vec![place] } else { (0..part.reactions.len()).filter(whole).collect() };
-                let counts = |seen: &&Seen| unnamed == Unnamed::Supports || seen.does_no_work(&one) == Some(true);
-                if let Some(seen) = seen.as_ref().filter(counts) {
-                    told[*component][k] = seen.value(place, &part, &balances[k], (&states[k].a, &own[k]));
-                }
+        for (place, component) in part.reactions.iter().enumerate() {
+            let of = reactions(model, system).find(|(_, _, components)| components.contains(component));
+            let whole = |other: &usize| of.as_ref().is_some_and(|(_, _, all)| all.contains(&part.reactions[*other]));
+            let one = if rubs { vec![place] } else { (0..part.reactions.len()).filter(whole).collect() };
+            let works = |seen: &Seen| {
+                let together = !seen.acts_on(&one, &pushed, (&part, &velocities));
+                seen.does_no_work(&one, together) == Some(false)
+            };
+            // What works at some states only works at all of them.
+            if judged == Judged::ThatHold && seen.iter().flatten().any(works) {
+                continue;
+            }
+            for (k, seen) in seen.iter().enumerate() {
+                let value = |seen: &Seen| seen.value(place, &part, &balances[k], (&states[k].a, &own[k]));
+                told[*component][k] = seen.as_ref().and_then(value);
             }
         }
     }
@@ -287,7 +291,6 @@ impl Seen {
         velocities: &Velocities,
         motion: &Motion,
         (balances, state): (&Assembled, &State),
-        unnamed: Unnamed,
     ) -> Option<Seen> {
         let n = motion.n;
         let entries = velocities.tape.evaluate(|s| state.measured(s));
@@ -313,24 +316,42 @@ impl Seen {
         let plain = |x: &Measured| if x.vanishes(super::ROUNDINGS) { DoubleDouble::ZERO } else { x.value };
         let named: Columns = measured.iter().map(|column| column.iter().map(plain).collect()).collect();
         let sizes = measured.iter().map(|column| column.iter().map(|x| x.magnitude).collect()).collect();
-        let supports = match unnamed {
-            Unnamed::Nowhere => Vec::new(),
-            Unnamed::Supports => supports(part, velocities, &moves, &named)?,
-        };
-        Some(Seen { ideal, named, sizes, supports })
+        let mut seen = Seen { ideal, named, sizes, supports: Vec::new() };
+        let length = part.directions.len();
+        if seen.has_room(length)? {
+            seen.supports = supports(part, velocities, &moves, &seen.named)?;
+        }
+        Some(seen)
     }
 
-    /// All reactions, with supports.
+    /// All reactions, named or not.
     fn all(&self) -> Columns {
         [self.named.as_slice(), &self.supports].concat()
     }
 
-    /// Whether the components of a reaction, by their places, can be a reaction of what holds the bodies.
-    fn does_no_work(&self, one: &[usize]) -> Option<bool> {
+    /// Whether another reaction might act.
+    fn has_room(&self, length: usize) -> Option<bool> {
+        Some(!contains(&self.all(), &self.ideal, length)?)
+    }
+
+    /// Whether the components of a reaction, by their places, can be a reaction of what holds the bodies, by themselves or with other named
+    /// ones, as the forces at both ends of a rope.
+    fn does_no_work(&self, one: &[usize], together: bool) -> Option<bool> {
         let length = self.ideal.first().map_or(0, Vec::len);
         let own: Columns = one.iter().map(|place| self.named[*place].clone()).collect();
-        let apart = rank(&own, length)? + rank(&self.ideal, length)?;
-        Some(rank(&[own, self.ideal.clone()].concat(), length)? < apart)
+        let mut beside = self.ideal.clone();
+        if together {
+            beside.extend((0..self.named.len()).filter(|k| !one.contains(k)).map(|k| self.named[k].clone()));
+        }
+        let apart = rank(&own, length)? + rank(&beside, length)?;
+        Some(rank(&[own, beside].concat(), length)? < apart)
+    }
+
+    /// Whether some components of a reaction act on one of these bodies.
+    fn acts_on(&self, one: &[usize], bodies: &[usize], (part, velocities): (&Part, &Velocities)) -> bool {
+        let pushed = |d: &usize| bodies.contains(&velocities.owners[part.directions[*d]]);
+        let pushes = |place: &usize, d: &usize| self.named[*place][*d] != DoubleDouble::ZERO;
+        (0..part.directions.len()).filter(pushed).any(|d| one.iter().any(|place| pushes(place, &d)))
     }
 
     /// A reaction by the combination of balances in which no other one stands.

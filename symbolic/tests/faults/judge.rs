@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use dalembert_symbolic::derive::{Derivation, Switch, SwitchKind, rates};
 use dalembert_symbolic::expr::{Binary, DoubleDouble, Graph, Id, Scalar, Symbol, Tape, Unary, jacobian, substitute};
-use dalembert_symbolic::model::{BalanceSystem, Check, Conserved, Model};
+use dalembert_symbolic::model::{BalanceSystem, Check, Conserved, Model, Rotation};
 
 use super::bound::Bound;
 use super::moments::{Moment, Run, moments, runs, sides};
@@ -257,6 +257,9 @@ pub struct Judge {
 /// A window in which alone a fault acts: these numbers lie between these bounds.
 pub type Window = Vec<(Symbol, f64, f64)>;
 
+/// Work of no more than this of its terms is none.
+const NONE: f64 = 1e-20;
+
 impl Judge {
     pub fn new(sound: &Derivation) -> Judge {
         let route = Route::new(sound);
@@ -354,6 +357,32 @@ impl Judge {
             }
         }
         differences
+    }
+
+    /// By how much what equations that are written out leave over on some body alone, of inertia less all forces and named reactions, does
+    /// work on it where it does none in the sound model: supports that nobody names do none.
+    pub fn work_left_over(&self, altered: &Derivation, window: &Window) -> f64 {
+        let route = Route::new(altered);
+        let inside = self.within(window);
+        let mut most = 0.0_f64;
+        for system in altered.model.balances.iter().filter(|system| !system.bodies.is_empty()) {
+            let Some(sound) = self.sound.balances.iter().find(|sound| sound.name == system.name) else { continue };
+            let seen: Vec<&Seen> =
+                self.seen.iter().chain(&inside).filter(|s| system.phases.contains(&s.moment.phase)).collect();
+            let right = work_left_over(&mut self.sound.clone(), sound, &self.route, &seen);
+            let found = work_left_over(&mut altered.model.clone(), system, &route, &seen);
+            let relative = |(work, terms): (f64, f64)| if work == 0.0 { 0.0 } else { work / terms };
+            for direction in 0..right.iter().flatten().map(Vec::len).min().unwrap_or(0) {
+                let of = |works: &[Works]| {
+                    let own = works.iter().flatten().filter_map(|works| works.get(direction).copied());
+                    own.map(relative).fold(0.0, f64::max)
+                };
+                if of(&right) < NONE {
+                    most = most.max(of(&found));
+                }
+            }
+        }
+        most
     }
 
     /// By how much of its largest term a check fails.
@@ -457,6 +486,64 @@ fn forces(
             forces
         };
         Some(reactions.iter().map(of).collect())
+    };
+    found.iter().zip(seen).map(at).collect()
+}
+
+/// Of each body and coordinate the work at a state and the sum of its terms; `None` where the system has no solution.
+type Works = Option<Vec<(f64, f64)>>;
+
+/// What a body's left-over force and moment do by each coordinate's motion.
+fn work_left_over(model: &mut Model, system: &BalanceSystem, route: &Route, seen: &[&Seen]) -> Vec<Works> {
+    let n = model.coordinates.len();
+    let acts = |k: usize| if system.phases.first() == Some(&k) { Id::ONE } else { Id::ZERO };
+    let indicators = (0..route.bound.phases()).map(|k| (Symbol::Phase(k as u32), acts(k))).collect();
+    let rows = substitute(&mut model.graph, &system.bodies, &indicators);
+    let coordinate = |s: Symbol| if let Symbol::Coordinate(i) = s { Some(i as usize) } else { None };
+    let speed = |s: Symbol| if let Symbol::Speed(i) = s { Some(i as usize) } else { None };
+    let (mut owners, mut slopes) = (Vec::new(), Vec::new());
+    for (b, body) in model.bodies.clone().into_iter().enumerate() {
+        let graph = &mut model.graph;
+        slopes.extend(jacobian(graph, &body.position, coordinate));
+        match &body.rotation {
+            Some(Rotation::Plane { angle, .. }) => slopes.extend(jacobian(graph, &[*angle], coordinate)),
+            Some(Rotation::Space { frame, .. }) => slopes.extend(jacobian(graph, &frame.velocity, speed)),
+            None => {}
+        }
+        owners.resize(slopes.len(), b);
+    }
+    let reactions: Vec<Symbol> = system
+        .reactions
+        .iter()
+        .flat_map(|&k| {
+            let reaction = &model.reactions[k];
+            (0..reaction.components as u32).map(|c| Symbol::Reaction(reaction.first + c))
+        })
+        .collect();
+    let roots: Vec<Id> = rows.iter().copied().chain(slopes.iter().flatten().map(|e| e.1)).collect();
+    let tape = Tape::new(&model.graph, &roots);
+    let found = solved(model, system, route, seen);
+    let at = |(found, seen): (&Solved, &&Seen)| {
+        let Solved::Unknowns(found) = found else { return None };
+        let known = route.known::<Term>(&seen.moment);
+        let values = tape.evaluate(|s| match s {
+            Symbol::Acceleration(i) => Term::constant(found[i as usize]),
+            Symbol::Multiplier(k) => seen.forces[k as usize],
+            s => match reactions.iter().position(|reaction| *reaction == s) {
+                Some(k) => Term::constant(found[n + k]),
+                None => known.value(s),
+            },
+        });
+        let mut works = vec![(DoubleDouble::ZERO, 0.0); n * model.bodies.len()];
+        let mut slope = values[rows.len()..].iter();
+        for ((entries, owner), left) in slopes.iter().zip(&owners).zip(&values) {
+            for ((i, _), slope) in entries.iter().zip(slope.by_ref()) {
+                let (work, terms) = &mut works[owner * n + i];
+                *work += left.value * slope.value;
+                *terms += left.largest * slope.value.abs().to_f64();
+            }
+        }
+        Some(works.into_iter().map(|(work, terms)| (work.abs().to_f64(), terms)).collect())
     };
     found.iter().zip(seen).map(at).collect()
 }

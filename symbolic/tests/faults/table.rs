@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use dalembert_symbolic::derive::{Derivation, derive};
-use dalembert_symbolic::diagnose::Step;
+use dalembert_symbolic::diagnose::{Problem, Step};
 use dalembert_symbolic::file::{Node, read};
 use dalembert_symbolic::gate::{Gate, judged};
 use dalembert_symbolic::model::{Model, resolve};
@@ -304,8 +304,15 @@ fn fate(sound: &Sound, fault: &Fault, blinded: bool) -> Option<(Fate, f64, Vec<b
             }
         }
     }
+    let contradicts = |problems: &[Problem]| problems.iter().all(|problem| problem.code == "E518");
     let fate = match verdict {
         Err(_) if difference > NOTHING => Fate::Caught,
+        // Loads and places contradict the reactions that are written out, though the motion is the same.
+        Err(ref problems)
+            if contradicts(problems) && sound.judge.work_left_over(&derivation, &fault.window) > TOLERANCE =>
+        {
+            Fate::Caught
+        }
         Err(_) => Fate::Alarm,
         Ok(_) if difference > TOLERANCE => Fate::Missed,
         Ok(_) if difference > NOTHING => Fate::Slight,

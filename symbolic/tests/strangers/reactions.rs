@@ -243,3 +243,82 @@ fn a_reaction_that_an_equation_names_may_stand_beside_friction_and_contacts() {
         refused(&file(beside, "1.000001*reaction(floor)"), "E517 balance 3");
     }
 }
+
+/// Atwood's machine: the forces at both ends of its rope.
+fn atwood(ends: &str) -> String {
+    format!(
+        "name: T
+parameters: {{m: 1 kg, n: 2 kg, g: 10 m/s^2, L: 3 m}}
+coordinates: {{y: m}}
+bodies: {{a: {{mass: m, position: \"[0, y]\"}}, b: {{mass: n, position: \"[1, L - y]\"}}}}
+gravity: [0, -g]
+balances: {{equations: [{{equation: \"(m + n)*y'' = (n - m)*g\"}}, {ends}], reactions: {{S: {{on: a, along: \"[0, 1]\"}}, R: {{on: b, along: \"[0, 1]\"}}}}}}
+"
+    )
+}
+
+#[test]
+fn the_force_of_a_rope_is_told_by_both_of_its_ends() {
+    let ends = |s: &str, r: &str| atwood(&format!("{{equation: \"S = {s}\"}}, {{equation: \"R = {r}\"}}"));
+    accepted(&ends("2*m*n/(m + n)*g", "S"));
+    assert_eq!(alone(&ends("2*m*n/(m + n)*g", "S")), [""; 0]);
+    refused(&ends("m*n/(m + n)*g", "S"), "`S` is");
+    refused(&ends("2*m*n/(m + n)*g", "n*g"), "`R` is");
+    // Where a spring acts, a name may be that of its force, and the rod between the blocks is named at one end only.
+    let spring = "
+name: T
+parameters: {m: 1 kg, n: 2 kg, k: 3 N/m, d: 1 m}
+coordinates: {x: m}
+bodies: {a: {mass: m, position: \"[x, 0]\"}, b: {mass: n, position: \"[x + d, 0]\"}}
+springs: {s: {between: [ground, a], stiffness: k}}
+balances: {equations: [{equation: \"(m + n)*x'' = S\"}, {equation: \"S = -k*x\"}, {equation: \"R = n*x''\"}], reactions: {S: {on: a, along: \"[1, 0]\"}, R: {on: b, along: \"[1, 0]\"}}}
+";
+    accepted(spring);
+}
+
+/// A bead on an arm that turns about a pin which nobody names.
+fn bead(normal: &str) -> String {
+    format!(
+        "name: T
+parameters: {{m: 1 kg, g: 10 m/s^2, l: 1 m}}
+coordinates: {{th: rad, s: m}}
+bodies: {{arm: {{mass: m, inertia: m*l^2/12, angle: th, position: \"l/2*arm.x\"}}, bead: {{mass: m, position: \"s*arm.x\"}}}}
+gravity: [0, -g]
+balances:
+  equations:
+    - moment: {{about: \"[0, 0]\", of: [arm, bead]}}
+    - force: {{of: bead, along: arm.x}}
+    - equation: \"N = {normal}\"
+  reactions: {{N: {{on: bead, from: arm, along: arm.y}}}}
+"
+    )
+}
+
+#[test]
+fn the_pin_about_which_moments_are_formed_need_not_be_named() {
+    accepted(&bead("m*(s*th'' + 2*s'*th') + m*g*cos(th)"));
+    assert_eq!(alone(&bead("m*(s*th'' + 2*s'*th') + m*g*cos(th)")), [""; 0]);
+    refused(&bead("m*(s*th'' + s'*th') + m*g*cos(th)"), "`N` is");
+}
+
+/// Two wheels on fixed axles that nobody names, with what the force between their teeth is said to be.
+fn gear(teeth: &str) -> String {
+    format!(
+        "name: T
+parameters: {{J: 1 kg*m^2, I: 2 kg*m^2, r: 0.5 m, R: 1 m, T: 3 N*m}}
+coordinates: {{a: rad}}
+points: {{P: \"[r, 0]\"}}
+bodies: {{one: {{mass: 0, inertia: J, angle: a, position: \"[0, 0]\"}}, two: {{mass: 0, inertia: I, angle: -a*r/R, position: \"[r + R, 0]\"}}}}
+torques: {{t: {{on: one, torque: T}}}}
+balances: {{equations: [{{equation: \"(J + I*(r/R)^2)*a'' = T\"}}, {{equation: \"W = {teeth}\"}}], reactions: {{W: {{on: two, from: one, at: P, along: \"[0, 1]\"}}}}}}
+"
+    )
+}
+
+#[test]
+fn axles_that_do_not_move_need_not_be_named() {
+    accepted(&gear("I*a''*r/R/R"));
+    assert_eq!(alone(&gear("I*a''*r/R/R")), [""; 0]);
+    refused(&gear("-I*a''*r/R/R"), "`W` is");
+    refused(&gear("T/r"), "`W` is");
+}
