@@ -309,12 +309,14 @@ pub(super) fn columns_of<const N: usize>(text: &str, names: Option<[&str; N]>) -
         lines.next();
     }
     if let Some(names) = names {
-        let header = header.ok_or_else(|| "it has no line of names".to_owned())?;
+        let header = header.as_ref().ok_or_else(|| "it has no line of names".to_owned())?;
         for (place, name) in places.iter_mut().zip(names) {
             let found = header.iter().position(|known| known == name);
             *place = found.ok_or_else(|| format!("no column is called `{name}`; there are {}", header.join(", ")))?;
         }
     }
+    let count = |cells: &[String]| cells.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1);
+    let width = header.as_ref().or(lines.peek().map(|(_, cells)| cells)).map_or(0, |cells| count(cells));
     let point = |(line, cells): (usize, Vec<String>)| {
         let at = |place: usize| {
             let cell = cells.get(place).ok_or_else(|| format!("line {} has {} columns", line + 1, cells.len()))?;
@@ -327,7 +329,11 @@ pub(super) fn columns_of<const N: usize>(text: &str, names: Option<[&str; N]>) -
         for (value, place) in values.iter_mut().zip(places) {
             *value = at(place)?;
         }
-        Ok(values)
+        // Last cells may be empty.
+        match (count(&cells)..=cells.len()).contains(&width) {
+            true => Ok(values),
+            false => Err(format!("line {} has {} columns, and the first has {width}", line + 1, cells.len())),
+        }
     };
     // A file can be longer than any model may be.
     lines.take(MEMBER_LIMIT + 1).map(point).collect()
@@ -350,7 +356,16 @@ mod tests {
             Err("no column is called `y`; there are t, s, z".to_owned())
         );
         assert_eq!(columns_of::<2>("0,1\n1,x", None), Err("`x` in line 2 is no number".to_owned()));
+        let ragged = |line: usize, columns: usize, first: usize| {
+            Err(format!("line {line} has {columns} columns, and the first has {first}"))
+        };
         assert_eq!(columns_of::<2>("0,1\n1", None), Err("line 2 has 1 columns".to_owned()));
+        // A decimal comma.
+        assert_eq!(columns_of::<2>("s,z\n0,1\n1,2,5\n2,3", None), ragged(3, 3, 2));
+        assert_eq!(columns_of::<2>("s,z\n1,0,2,5", None), ragged(2, 4, 2));
+        assert_eq!(columns_of::<2>("s,z,u\n0,1,3\n1,-2.5,", None).as_ref(), Ok(&points));
+        assert_eq!(columns_of::<2>("s,z,\n0,1,\n1,-2.5", None).as_ref(), Ok(&points));
+        assert_eq!(columns_of::<2>("0\n1", None), Err("line 1 has 1 columns".to_owned()));
         assert_eq!(columns_of::<2>("0,1", Some(["a", "b"])), Err("it has no line of names".to_owned()));
     }
 }
