@@ -479,6 +479,34 @@ scene: {start: {th: 0.2}, until: 1, tolerance: 1e-12}
     }
 }
 
+/// However |t − 1 s| is written, its corner takes speed: X = x + 2 |t − 1| swings freely between, with X' jumping by nothing.
+#[test]
+fn corners_that_are_written_as_roots_give_their_impulse() {
+    let w = 10.0_f64.sqrt();
+    let expected = 3.0 * (2.0 * w).cos() - 2.0 / w * (2.0 * w).sin() - 2.0;
+    for corner in [
+        "abs(t - t1)",
+        "sqrt((t - t1)^2)",
+        "norm([t - t1, 0])",
+        "((t - t1)^2)^0.5",
+        "((t - t1)^2)^1.5/(t - t1)^2",
+        "exp(ln((t - t1)^2)/2)",
+        "sqrt(abs(t - t1)^2)",
+    ] {
+        let text = |define: &str, by: &str| {
+            format!(
+                "name: T\nparameters: {{k: 10, t1: 1}}\ncoordinates: {{x: 1}}\n{define}: {{{by}}}\n\
+                 kinetic_energy: \"rate(x + 2*u)^2/2\"\npotential_energy: \"k*(x + 2*u)^2/2\"\n\
+                 scene: {{start: {{x: 1}}, until: 2, tolerance: 1e-10}}\n"
+            )
+        };
+        for define in ["inputs", "define"] {
+            let x = case(&text(define, &format!("u: \"{corner}\""))).run().last()["x"];
+            assert!((x - expected).abs() < 1e-8, "{define}: {corner}: {x}");
+        }
+    }
+}
+
 /// Every half swing is one step from the surface to the surface: whether the motion has left it in between, its middle tells.
 #[test]
 fn swings_that_are_one_step_each_are_no_chattering() {

@@ -4,7 +4,7 @@
 //! x − x and x/x, and put the operands of sums and products in the order of the arena.
 
 use super::{Binary, Graph, Id, Measured, Node, Scalar, Symbol, Unary};
-use crate::number::{DoubleDouble, Number};
+use crate::number::{DoubleDouble, Number, Rational};
 
 /// A constant within so many roundings of zero, twenty digits of thirty-two, is none: it stays the function that it is.
 const NEARLY_ROUNDING: f64 = 1e12;
@@ -297,7 +297,39 @@ impl Graph {
                 _ => {}
             }
         }
+        match function {
+            Unary::Abs if matches!(self.node(x), Node::Unary(Unary::Abs, _)) => return x,
+            Unary::Sqrt | Unary::Exp => {
+                if let Some(power) = self.kink(function, x) {
+                    return power;
+                }
+            }
+            _ => {}
+        }
         self.intern(Node::Unary(function, x))
+    }
+
+    /// √(u²) = |u| and exp(c ln u²) = |u|²ᶜ of what time alone moves: a run stops where it turns sharply, which nothing shows in the square.
+    fn kink(&mut self, function: Unary, x: Id) -> Option<Id> {
+        let (square, power) = match (function, self.node(x)) {
+            (Unary::Sqrt, _) => (x, Rational::HALF),
+            // Constants stand in front.
+            (_, Node::Binary(Binary::Mul, c, logarithm)) => match (self.number(c), self.node(logarithm)) {
+                (Some(Number::Exact(power)), Node::Unary(Unary::Ln, square)) => (square, power),
+                _ => return None,
+            },
+            _ => return None,
+        };
+        let Node::Binary(Binary::Mul, u, v) = self.node(square) else { return None };
+        let symbols = self.symbols([u]);
+        let moves = |s: &Symbol| matches!(s, Symbol::Time | Symbol::Input(..));
+        let stays = |s: &Symbol| matches!(s, Symbol::Parameter(_));
+        if u != v || !symbols.iter().any(moves) || !symbols.iter().all(|s| moves(s) || stays(s)) {
+            return None;
+        }
+        let size = self.unary(Unary::Abs, u);
+        let twice = self.constant(Number::Exact(power.checked_mul(Rational::integer(2))?));
+        Some(self.pow(size, twice))
     }
 
     /// An operation on two arguments.
