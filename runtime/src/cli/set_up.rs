@@ -196,6 +196,9 @@ impl Reader {
             self.degrees(loaded, place, sets, text.trim());
             if let Sets::Parameter(parameter) = sets {
                 self.whole_seed(loaded, place, parameter, number)?;
+                // The model is read for it where it may be refused.
+                let possible = if number < 0.0 { self.model(loaded)?.possible_mass(parameter, number) } else { Ok(()) };
+                possible.map_err(|problems| Problem::Usage(file::render(place, text.trim(), &problems)))?;
             }
             return Ok(number);
         }

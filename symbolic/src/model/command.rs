@@ -146,13 +146,8 @@ impl Model {
         self.take_back(builder)?;
         let undefined = || vec![names::undefined_value(Place::default(), text)];
         let value = value.and_then(|id| evaluate(&self.graph, id, parameters)).ok_or_else(undefined)?;
-        if let Sets::Parameter(place) = sets
-            && value < 0.0
-            && let Some(what) = self.mass_of(place)
-        {
-            return Err(vec![mechanics::value_out_of_range(Place::default(), what, "positive or 0", value)]);
-        }
         if let Sets::Parameter(place) = sets {
+            self.possible_mass(place, value)?;
             self.whole_seed(place, value)?;
         }
         let in_hertz = |unit: &str| unit.ends_with("Hz") && unit.chars().all(char::is_alphabetic);
@@ -215,6 +210,17 @@ impl Model {
         match of {
             Some(noise) if !is_seed(value) => Err(vec![bad_seed(Place::default(), &noise.name, &value.to_string())]),
             _ => Ok(()),
+        }
+    }
+
+    /// Whether a value of a parameter is one that it may have where it is the mass or a moment of inertia of a body.
+    ///
+    /// # Errors
+    /// That it is negative.
+    pub fn possible_mass(&self, parameter: usize, value: f64) -> Result<(), Vec<Problem>> {
+        match self.mass_of(parameter).filter(|_| value < 0.0) {
+            Some(what) => Err(vec![mechanics::value_out_of_range(Place::default(), what, "positive or 0", value)]),
+            None => Ok(()),
         }
     }
 
