@@ -174,3 +174,20 @@ fn what_is_free_of_a_motion_is_explained() {
         "{found}"
     );
 }
+
+/// Another body keeps the mass matrix positive, so that nothing else shows it.
+#[test]
+fn a_number_that_makes_a_mass_negative_is_refused() {
+    let two = "parameters: {m: 1 kg, M: 5 kg, far: 3 m}\nbodies: {a: {mass: m, position: \"[x, 0]\"}, b: {mass: M, position: \"[x, 1]\"}}\n";
+    let file = folder("negative").join("two.yaml");
+    let head = "name: A\ncoordinates: {x: m}\nscene: {start: {x': 1}, until: 1}\n";
+    std::fs::write(&file, format!("{head}{two}")).expect("a file");
+    let file = file.to_str().expect("a path");
+    for command in [&["simulate", file, "--set"][..], &["modes", file, "--set"]] {
+        let refused = program(&[command, &["m=-1"]].concat()).expect_err("a negative mass");
+        assert!(refused.contains("a mass must be positive or 0, this is -1"), "{refused}");
+    }
+    for set in ["m=0", "m=2", "far=-1"] {
+        program(&["simulate", file, "--set", set]).unwrap_or_else(|refused| panic!("{set}: {refused}"));
+    }
+}
