@@ -1,6 +1,6 @@
 //! Dense matrices whose rows and columns may be of any size; systems that are solved in room that is there.
 
-use nalgebra::{ComplexField, DMatrix, DVector, Dyn, SVD};
+use nalgebra::{ComplexField, DMatrix, DVector, DVectorView, Dyn, SVD};
 
 /// L U of a square matrix, row by row, in place, by Gauss's elimination: L below the diagonal, U on it and above.  The pivot of
 /// a column is its largest element; `pivots` tells which row was exchanged with each.  False where it is singular or not finite.
@@ -84,6 +84,21 @@ pub(crate) fn solve_least_of_rank(matrix: &DMatrix<f64>, right: &DMatrix<f64>, m
     Least::of(matrix, most)?.solve(right)
 }
 
+/// As [`solve_least_of_rank`], what is left of A x − b measured as it is: only the columns of A are brought to one size.
+pub(crate) fn solve_least_as_measured(
+    matrix: &DMatrix<f64>,
+    right: &DMatrix<f64>,
+    most: usize,
+) -> Option<DMatrix<f64>> {
+    let power = |column: DVectorView<'_, f64>| {
+        let largest = column.amax();
+        if largest > 0.0 { (-largest.log2()).round().exp2() } else { 1.0 }
+    };
+    let columns = DVector::from_iterator(matrix.ncols(), matrix.column_iter().map(power));
+    let scaled = matrix * DMatrix::from_diagonal(&columns);
+    Least::scaled(scaled, DVector::from_element(matrix.nrows(), 1.0), columns, most)?.solve(right)
+}
+
 /// As [`solve_least`]; numbers that are small beside the others have their own digits where the equations determine these well (iterative refinement:
 /// Higham, Accuracy and Stability of Numerical Algorithms, 2002, section 12.2).
 pub(crate) fn solve_least_refined(matrix: &DMatrix<f64>, right: &DMatrix<f64>) -> Option<DMatrix<f64>> {
@@ -123,6 +138,14 @@ impl Least {
             return Some(Least { rows, columns, decomposed: None, negligible: 0.0 });
         }
         let (scaled, rows, columns) = equilibrated(matrix);
+        Least::scaled(scaled, rows, columns, most)
+    }
+
+    /// Of a matrix whose rows and columns have been multiplied by these.
+    fn scaled(scaled: DMatrix<f64>, rows: DVector<f64>, columns: DVector<f64>, most: usize) -> Option<Self> {
+        if scaled.is_empty() {
+            return Some(Least { rows, columns, decomposed: None, negligible: 0.0 });
+        }
         let size = scaled.amax().max(f64::MIN_POSITIVE) * scaled.nrows().max(scaled.ncols()) as f64;
         let decomposed = svd(scaled, true, true)?;
         let beyond = decomposed.singular_values.get(most).copied().unwrap_or(0.0);

@@ -212,3 +212,135 @@ fn what_begins_beside_a_singular_end_was_missed() {
         assert!(parts.iter().all(near), "{range}: {parts:?}");
     }
 }
+
+/// A model file of this text, varied.
+fn file_varied(name: &str, text: &str, arguments: &[&str]) -> Value {
+    let file = folder("branches").join(format!("{name}.yaml"));
+    std::fs::write(&file, text).expect("a file");
+    let out = program(&[&["modes", file.to_str().expect("a path"), "--json"], arguments].concat());
+    serde_json::from_str(&out.unwrap_or_else(|error| panic!("{name}: {error}"))).expect("JSON")
+}
+
+fn count(found: &Value, what: &str) -> usize {
+    found["locus"][what].as_array().map_or(0, Vec::len)
+}
+
+/// V = (1 − p) x²/2 + x⁴/4 − e x: the branch turns aside at p = 1 within e^(2/3), and grows as √(p − 1) from there on.
+#[test]
+fn an_imperfection_was_stepped_over_or_ended_a_branch() {
+    for (k, e) in [1e-3, 1e-8, 1e-9, 1e-10, 1e-12].into_iter().enumerate() {
+        let found = potential(&format!("imperfect{k}"), (0.0, 0.0), &format!("(1-p)*x^2/2 + x^4/4 - {e:e}*x"), "0..3");
+        expect(&found, &[]);
+        assert_eq!([count(&found, "changes"), count(&found, "missing")], [0, 0], "{e}: {found}");
+        let [p, x] = last_state(&found);
+        assert!(p == 3.0 && (x * x * x - 2.0 * x - e).abs() < 1e-12 && x > 1.0, "{e}: {x}");
+    }
+}
+
+/// On x² + y² = 1 with V = (x − e)²/2 + p y: p = cos a − e cot a, which folds at (1 − e^(2/3))^(3/2).
+#[test]
+fn an_imperfection_on_a_circle_was_stepped_over() {
+    for e in [1e-5, 1e-8, 1e-10] {
+        let text = format!(
+            "name: T\nparameters: {{p: 0}}\ncoordinates: {{x: 1, y: 1}}\nkinetic_energy: x'^2/2 + y'^2/2\n\
+             constraints: {{rod: x^2 + y^2 - 1}}\npotential_energy: \"(x - {e:e})^2/2 + p*y\"\n\
+             equilibrium: {{x: 0, y: 1}}\nscene: {{start: {{x: 0, y: 1}}, until: 1}}\n"
+        );
+        let found = file_varied("circle_of_an_imperfection", &text, &["--vary", "p=0..3"]);
+        let fold = (1.0 - f64::powf(e, 2.0 / 3.0)).powf(1.5);
+        let limits = limits(&found);
+        let known = |(value, kind): &(f64, String)| (value - fold).abs() <= 1e-9 && kind == "fold";
+        assert!(limits.first().is_some_and(known) && limits.len() == 1, "{e}: {fold} {limits:?}");
+    }
+}
+
+const HOOP: &str = "name: T\nparameters: {m: 1 kg, R: 1 m, g: 10 m/s^2, W: 1 rad/s, e: 0 m}\ncoordinates: {r: m, z: m}\nkinetic_energy: m*(r'^2 + z'^2)/2\n\
+    potential_energy: m*g*z - m*W^2*(r + e)^2/2\nconstraints: {hoop: r^2 + z^2 - R^2}\n\
+    equilibrium: {r: 0, z: -1}\nscene: {start: {r: 0, z: -1}, until: 1}\n";
+
+/// A bead on a hoop that turns about an axis beside its centre leaves the bottom without a threshold.
+#[test]
+fn a_bead_on_a_hoop_was_told_to_fall_from_its_bottom() {
+    for e in ["1e-3", "1e-5", "1e-7", "1e-8", "1e-9"] {
+        let set = format!("e={e}");
+        let found = file_varied("hoop_beside_its_axis", HOOP, &["--set", &set, "--vary", "W=0..10"]);
+        expect(&found, &[]);
+        assert_eq!([count(&found, "changes"), count(&found, "missing")], [0, 0], "{e}: {found}");
+        let steps = found["locus"]["steps"].as_array().expect("steps");
+        let omega = |step: &Value| step["eigenvalues"][0][1].as_f64().expect("a number").abs();
+        let e: f64 = e.parse().expect("a number");
+        let [first, last] = [omega(&steps[0]), omega(steps.last().expect("a state"))];
+        assert!((first - 10_f64.sqrt()).abs() < 1e-9, "{e}: {first}");
+        assert!((last - 99_f64.sqrt()).abs() < 1e-9 + 10.0 * e, "{e}: {last}");
+    }
+}
+
+/// x = 1/(s + 4 s²) with y = 2 x s, and the same without the constraint.
+#[test]
+fn a_pole_with_a_constraint_was_told_as_folds() {
+    let text = |coordinates: &str, energy: &str, rest: &str| {
+        format!(
+            "name: T\nparameters: {{s: -1}}\ncoordinates: {{{coordinates}}}\nkinetic_energy: x'^2/2\n\
+             potential_energy: {energy}\n{rest}equilibrium: {{x: 0.3}}\nscene: {{start: {{}}, until: 1}}\n"
+        )
+    };
+    let held = text("x: 1, y: 1", "s*x^2/2 - x + y^2/2", "constraints: {c: y - 2*x*s}\n")
+        .replace("x'^2/2\n", "x'^2/2 + y'^2/2\n");
+    for (name, text) in [("pole_held", held), ("pole_free", text("x: 1", "s*x^2/2 - x + 2*x^2*s^2", ""))] {
+        let found = file_varied(name, &text, &["--vary", "s=-1..1"]);
+        expect(&found, &[(-0.25, "pole"), (0.0, "pole")]);
+    }
+}
+
+/// What forces has a pole, or jumps, where the stiffness is 1 everywhere.
+#[test]
+fn a_pole_of_what_forces_was_told_as_the_end_of_a_branch() {
+    expect(&potential("pole_of_tan", (0.1, 0.1), "(x - tan(p))^2/2", "0..3"), &[(std::f64::consts::FRAC_PI_2, "pole")]);
+    expect(&potential("pole_of_load", (0.0, -1.0), "(x - 1/(p-1.1))^2/2", "0..3"), &[(1.1, "pole")]);
+    // What only grows steeply has none, and a jump is where the branch ends.
+    expect(&potential("no_pole", (0.1, 0.1), "(x - tan(p))^2/2", "0..1.57"), &[]);
+    let jump = potential("jump", (0.0, 0.0), "(x - step(p - 1.234567))^2/2", "0..3");
+    expect(&jump, &[]);
+    let at = jump["locus"]["changes"][0]["value"].as_f64().expect("a change");
+    assert!((at - 1.234567).abs() < 1e-9, "{at}");
+}
+
+/// A shallow truss: its branch folds, leaves the range on the side where it began, and comes back to it upside down.
+#[test]
+fn a_branch_that_comes_back_from_outside_was_lost() {
+    let text = "name: T\nparameters: {m: 1 kg, k: 100 N/m, L: 1 m, l0: 1.2 m, q: 0 N}\ncoordinates: {y: m}\nbodies: {b: {mass: m, position: \"[0, y]\"}}\n\
+        points: {A: \"[-L, 0]\", B: \"[L, 0]\"}\nsprings: {s1: {between: [A, b], stiffness: k, rest: l0}, \
+        s2: {between: [B, b], stiffness: k, rest: l0}}\nforces: {f: {on: b, force: \"[0, -q*30]\"}}\n\
+        equilibrium: {y: 0.66}\nscene: {start: {y: 0.66}, until: 1}\n";
+    let found = file_varied("truss", text, &["--vary", "q=0..1"]);
+    assert_eq!(count(&found, "missing"), 0, "{found}");
+    let whole = file_varied("truss", text, &["--vary", "q=-1..1"]);
+    for found in [&found, &whole] {
+        let last = found["locus"]["steps"].as_array().expect("steps").last().expect("a state");
+        let y = last["equilibrium"]["y"].as_f64().expect("a number");
+        assert!(last["value"] == 1.0 && (y + 0.997_44).abs() < 1e-5, "{last}");
+    }
+    let folds = |found: &Value| limits(found).iter().map(|(value, _)| (value * 1e8).round() / 1e8).collect::<Vec<_>>();
+    assert_eq!((folds(&found), folds(&whole)), (vec![0.30975653], vec![-0.30975653, 0.30975653]));
+}
+
+/// Two motions of different frequencies begin to grow at once, and two of one.
+#[test]
+fn of_two_motions_that_begin_to_grow_at_once_one_was_told() {
+    let of = |stiffness: &str| {
+        let text = format!(
+            "name: T\nparameters: {{c: 1}}\ncoordinates: {{x: 1, y: 1}}\nkinetic_energy: x'^2/2 + y'^2/2\n\
+             potential_energy: x^2/2 + {stiffness}*y^2/2\ngeneralized_forces: {{x: c*x', y: c*y'}}\n\
+             scene: {{start: {{x: 1}}, until: 1}}\n"
+        );
+        let found = file_varied("two_at_once", &text, &["--vary", "c=-1..1"]);
+        let limits = found["locus"]["limits"].as_array().expect("limits").iter();
+        limits.map(|limit| (limit["omega"].as_f64().expect("a number"), limit["growing"].clone())).collect::<Vec<_>>()
+    };
+    let two = of("4");
+    let near = |found: f64, expected: f64| (found - expected).abs() < 1e-9;
+    assert!(two.len() == 2 && near(two[0].0, 1.0) && near(two[1].0, 2.0), "{two:?}");
+    assert_eq!([&two[0].1, &two[1].1], [&serde_json::json!([0, 1]), &serde_json::json!([1, 2])]);
+    let one = of("1");
+    assert!(one.len() == 1 && near(one[0].0, 1.0) && one[0].1 == serde_json::json!([0, 2]), "{one:?}");
+}

@@ -41,6 +41,12 @@ const INTERPOLATED: f64 = 1e-8;
 const TURN: f64 = 0.97;
 /// What is left of the equations at a state of the branch, as parts of their own row's terms.
 const BALANCED: f64 = 1e-11;
+/// How far apart, in the coordinates' extents and the range, states on both sides of a crossing of branches are looked at: nearer, what
+/// rounding makes of them, ε by this, may lead from one branch to the other.
+const BESIDE: f64 = 1e-6;
+/// Differences of steps one of which is so many times the other are slopes where they agree but for this part.
+const FINER: f64 = 4.0;
+const AGREES: f64 = 0.125;
 /// What the equations' own rounding may leave, as such parts.
 const ROUNDED: f64 = 4.0 * f64::EPSILON;
 
@@ -192,10 +198,25 @@ impl Continuation {
 
     /// Follows the branch from a state until it leaves the range.
     pub fn walk(&self, start: &State, direction: f64) -> Path {
-        let path = self.walk_on(start, direction);
+        self.walk_in(self.range, start, direction)
+    }
+
+    /// Where a path that has left the range comes back to it, at the same bound, if it does no farther outside than the range is wide.
+    pub fn back_from_outside(&self, path: &Path) -> Option<State> {
+        let last = path.points.last().filter(|_| matches!(path.end, End::Range))?;
+        let (low, high) = self.range;
+        let out = if last.value == high { 1.0 } else { -1.0 };
+        let outside = if out > 0.0 { (high, high + self.width()) } else { (low - self.width(), low) };
+        let there = self.walk_in(outside, last, out);
+        let back = there.points.last().filter(|_| matches!(there.end, End::Range))?;
+        (back.value == last.value).then(|| back.clone())
+    }
+
+    fn walk_in(&self, range: (f64, f64), start: &State, direction: f64) -> Path {
+        let path = self.walk_on(range, start, direction);
         let Some(family) = self.family_of(start).filter(|_| matches!(path.end, End::Lost)) else { return path };
         self.family.replace(Some(family));
-        let across = self.walk_on(start, direction);
+        let across = self.walk_on(range, start, direction);
         self.family.replace(None);
         // A start where branches cross is none of a family.
         let way = |path: &Path| path.points.last().map_or(0.0, |last| (last.value - start.value).abs());
@@ -220,7 +241,7 @@ impl Continuation {
         (count > 0).then(|| Family { count, sizes: DVector::from_fn(all + 1, |k, _| size(k)) })
     }
 
-    fn walk_on(&self, start: &State, direction: f64) -> Path {
+    fn walk_on(&self, range: (f64, f64), start: &State, direction: f64) -> Path {
         let n = start.q.len();
         let mut been: Vec<f64> = start.q.iter().map(|q| q.abs()).collect();
         let mut reach = been.clone();
@@ -245,8 +266,8 @@ impl Continuation {
                 (next, next_tangent) = (start.clone(), first.0.clone());
                 path.end = End::Closed;
             }
-            if !(self.range.0..=self.range.1).contains(&next.value) {
-                let Some(last) = self.at_bound(here, &next) else {
+            if !(range.0..=range.1).contains(&next.value) {
+                let Some(last) = self.at_bound(range, here, &next) else {
                     step *= 0.5;
                     if step < SHORTEST {
                         return path;
@@ -295,9 +316,9 @@ impl Continuation {
         (self.tangent(start, &tangent, &units).unwrap_or(tangent), units)
     }
 
-    /// The state on the bound of the range of the parameter that a step leaves.
-    fn at_bound(&self, here: &State, next: &State) -> Option<State> {
-        let bound = if next.value > self.range.1 { self.range.1 } else { self.range.0 };
+    /// The state on the bound of a range of the parameter that a step leaves.
+    fn at_bound(&self, range: (f64, f64), here: &State, next: &State) -> Option<State> {
+        let bound = if next.value > range.1 { range.1 } else { range.0 };
         let part = if next.value == here.value { 0.0 } else { (bound - here.value) / (next.value - here.value) };
         let guess: Vec<f64> = here.q.iter().zip(&next.q).map(|(a, b)| a + part * (b - a)).collect();
         self.at(bound, &guess).map(|q| State { q, value: bound })
@@ -409,7 +430,60 @@ impl Continuation {
         let next_tangent = self.tangent(&next, tangent, units)?;
         let cosine: f64 =
             tangent.iter().zip(&next_tangent).zip(units).map(|((a, b), unit)| a * b / (unit * unit)).sum();
-        (cosine > TURN).then_some((next, next_tangent))
+        (cosine > TURN && !self.leaps(here, &next, units)).then_some((next, next_tangent))
+    }
+
+    /// Whether two states lie on branches that pass each other: the determinant of the equations and of what is across the way keeps its sign
+    /// along a branch, but for crossings, at which the states on both sides come together.
+    fn leaps(&self, here: &State, next: &State, units: &[f64]) -> bool {
+        let way = |a: &State, b: &State| -> Vec<f64> {
+            let q = a.q.iter().zip(&b.q).map(|(a, b)| b - a);
+            q.chain([b.value - a.value]).zip(units).map(|(way, unit)| way / unit).collect()
+        };
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let chord = way(here, next);
+        let length = dot(&chord, &chord).sqrt();
+        let across: Vec<f64> = chord.iter().zip(units).map(|(chord, unit)| chord / unit).collect();
+        let sense = |state: &State| self.sense(state, &across);
+        let before = sense(here);
+        if before * sense(next) >= 0.0 {
+            return false;
+        }
+        let (mut low, mut high) = (here.clone(), next.clone());
+        // No more halvings than a number has digits.
+        for _ in 0..f64::MANTISSA_DIGITS {
+            let apart = way(&low, &high);
+            let along = dot(&apart, &chord) / length;
+            if along <= TURN * dot(&apart, &apart).sqrt() {
+                return true;
+            }
+            if along <= BESIDE {
+                return false;
+            }
+            let q = low.q.iter().zip(&high.q).map(|(a, b)| 0.5 * (a + b)).collect();
+            let halfway = State { q, value: 0.5 * (low.value + high.value) };
+            // Where no state is between them the branch goes elsewhere.
+            let Some(middle) = self.correct(&halfway, &across) else { return true };
+            match sense(&middle) * before {
+                sign if sign > 0.0 => low = middle,
+                sign if sign < 0.0 => high = middle,
+                _ => return false,
+            }
+        }
+        false
+    }
+
+    /// The sign of the determinant of the equations' slopes with a direction below them; 0 where it is rounding.
+    fn sense(&self, state: &State, across: &[f64]) -> f64 {
+        let (scaled, ..) = equilibrated(&self.bordered(state, across).0);
+        let size = scaled.nrows();
+        let lu = scaled.lu();
+        let pivots = lu.u().diagonal();
+        if pivots.amin() > Scaled::threshold(size, pivots.amax()) {
+            pivots.iter().map(|pivot| pivot.signum()).product::<f64>() * lu.p().determinant::<f64>()
+        } else {
+            0.0
+        }
     }
 
     /// Newton's method for the equations on the plane through a guess, across a direction.
@@ -431,6 +505,9 @@ impl Continuation {
                 let found = if before <= ROUNDED { earlier } else { state };
                 return Some(self.without_rounding(&found).unwrap_or(found));
             }
+            if largest > 0.25 * before && self.is_as_exact_as_its_value(&state, &left) {
+                return Some(state);
+            }
             earlier.clone_from(&state);
             before = largest;
             let gone: f64 = across[..n].iter().zip(state.q.iter().zip(&guess.q)).map(|(a, (q, g))| a * (q - g)).sum();
@@ -439,6 +516,15 @@ impl Continuation {
             state.value += change[n];
         }
         (before <= BALANCED).then_some(state)
+    }
+
+    /// Whether no more is left of the equations than rounding of the parameter makes: beside a pole of what forces that is more than rounding of their
+    /// terms.
+    fn is_as_exact_as_its_value(&self, state: &State, left: &DVector<f64>) -> bool {
+        let Ok(slope) = self.slope_or_jump(state) else { return false };
+        let measure = self.ask(state.value, |balance| balance.left(&state.q))[1].clone();
+        let enough = |k: usize| left[k].abs() <= BALANCED * measure[k] + ROUNDED * (slope[k] * state.value).abs();
+        (0..left.len()).all(enough)
     }
 
     /// What is left of the equations, and the largest part of it in its own row's measure.
@@ -474,14 +560,8 @@ impl Continuation {
     /// The shortest (q, p) of [slopes, ∂/∂p; across] (q, …, p) = (wanted, along).
     fn solve(&self, state: &State, across: &[f64], wanted: &DVector<f64>, along: f64) -> Option<Vec<f64>> {
         let n = state.q.len();
-        let Slopes { matrix, rows: factors } = self.ask(state.value, |balance| balance.slopes(&state.q));
+        let (matrix, factors) = self.bordered(state, across);
         let all = factors.len();
-        let mut matrix = matrix.resize(all + 1, all + 1, 0.0);
-        matrix.view_mut((0, all), (all, 1)).copy_from(&self.slope(state).component_mul(&factors));
-        // What no equation depends on stays: rounding of the direction would be all that it is asked for.
-        let matters: Vec<usize> = (0..n).filter(|j| matrix.column(*j).iter().any(|x| *x != 0.0)).collect();
-        matters.into_iter().for_each(|j| matrix[(all, j)] = across[j]);
-        matrix[(all, all)] = across[n];
         let mut right = wanted.component_mul(&factors).resize_vertically(all + 1, 0.0);
         right[all] = along;
         let found = match &*self.family.borrow() {
@@ -490,24 +570,61 @@ impl Continuation {
                 let (scaled, by_row, by_column) = equilibrated(&matrix);
                 let singular = Singular::of(&scaled)?;
                 let threshold = Scaled::threshold(all + 1, singular.values.max());
-                singular.least_squares(&right.component_mul(&by_row), threshold).component_mul(&by_column)
+                singular.refined(&scaled, &right.component_mul(&by_row), threshold).component_mul(&by_column)
             }
         };
         let whole = found.iter().take(n).chain([&found[all]]).copied().collect::<Vec<f64>>();
         whole.iter().all(|x| x.is_finite()).then_some(whole)
     }
 
-    /// ∂/∂p of the equations by a central difference: it steers, and no result depends on it.
+    /// [slopes, ∂/∂p; across], and the factors of the equations' rows.
+    fn bordered(&self, state: &State, across: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
+        let n = state.q.len();
+        let Slopes { matrix, rows: factors } = self.ask(state.value, |balance| balance.slopes(&state.q));
+        let all = factors.len();
+        let mut matrix = matrix.resize(all + 1, all + 1, 0.0);
+        matrix.view_mut((0, all), (all, 1)).copy_from(&self.slope(state).component_mul(&factors));
+        // What no equation depends on stays: rounding of the direction would be all that it is asked for.
+        let matters: Vec<usize> = (0..n).filter(|j| matrix.column(*j).iter().any(|x| *x != 0.0)).collect();
+        matters.into_iter().for_each(|j| matrix[(all, j)] = across[j]);
+        matrix[(all, all)] = across[n];
+        (matrix, factors)
+    }
+
+    /// ∂/∂p of the equations by a central difference: it steers, and no result depends on it.  Its step is shorter where what forces changes
+    /// within it, as beside a pole.
     fn slope(&self, state: &State) -> DVector<f64> {
-        let step = 1e-6 * state.value.abs().max(1e-3 * self.width());
+        self.slope_or_jump(state).unwrap_or_else(|jump| jump)
+    }
+
+    /// The same; differences that agree at no step are of a jump.
+    fn slope_or_jump(&self, state: &State) -> Result<DVector<f64>, DVector<f64>> {
+        let size = state.value.abs().max(1e-3 * self.width());
+        let mut step = 1e-6 * size;
+        let (mut slope, _) = self.difference(state, step);
+        while step > f64::EPSILON * size {
+            step /= FINER;
+            let (finer, rounding) = self.difference(state, step);
+            let agrees = |k: usize| (finer[k] - slope[k]).abs() <= (AGREES * slope[k].abs()).max(rounding[k]);
+            if (0..slope.len()).all(agrees) {
+                return Ok(slope);
+            }
+            slope = finer;
+        }
+        Err(slope)
+    }
+
+    /// A central difference of the equations over twice a step of p, and how much of it is rounding.
+    fn difference(&self, state: &State, step: f64) -> (DVector<f64>, DVector<f64>) {
         let [high, low] = [step, -step].map(|step| self.ask(state.value + step, |balance| balance.left(&state.q)));
+        let rounding = high[1].zip_map(&low[1], |high, low| ROUNDED * high.max(low));
         let slope = |k: usize| {
             let change = high[0][k] - low[0][k];
             // What the equations' rounding makes is no slope.
-            let known = change.is_finite() && change.abs() > ROUNDED * high[1][k].max(low[1][k]);
+            let known = change.is_finite() && change.abs() > rounding[k];
             if known { change * (0.5 / step) } else { 0.0 }
         };
-        DVector::from_fn(high[0].len(), |k, _| slope(k))
+        (DVector::from_fn(high[0].len(), |k, _| slope(k)), rounding * (0.5 / step))
     }
 
     /// The state of the branch between two of its states, at a part of the way.
@@ -611,6 +728,6 @@ impl Family {
         values.sort_by(f64::total_cmp);
         let rounding = Scaled::threshold(all + 1, singular.values.max());
         let threshold = rounding.max(values[(self.count - 1).min(all)]);
-        Some(singular.least_squares(&right, threshold).component_mul(&self.sizes))
+        Some(singular.refined(&matrix, &right, threshold).component_mul(&self.sizes))
     }
 }

@@ -73,6 +73,11 @@ pub enum ThresholdKind {
 }
 
 impl ThresholdKind {
+    /// Of a motion of this frequency that begins or ceases to grow.
+    fn of(omega: f64) -> ThresholdKind {
+        if omega > 0.0 { ThresholdKind::Flutter } else { ThresholdKind::Divergence }
+    }
+
     /// The word for it.
     pub fn word(self) -> &'static str {
         match self {
@@ -240,9 +245,13 @@ fn beyond(continuation: &Continuation, direction: f64, paths: &mut Vec<Path>, co
         let ends = paths.iter().flat_map(Path::ends);
         let Some(last) = ends.max_by(|a, b| (direction * a.value).total_cmp(&(direction * b.value))) else { return };
         let last = last.clone();
-        match continuation.another(&last, direction) {
-            Ok(next) => {
-                let mut path = [continuation.walk(&next, direction)];
+        let next = match continuation.another(&last, direction) {
+            Ok(next) => Ok((continuation.walk(&next, direction), next)),
+            Err(error) => from_outside(continuation, &last, direction, paths).ok_or(error),
+        };
+        match next {
+            Ok((path, next)) => {
+                let mut path = [path];
                 branch.changes.push(Change { value: last.value, from: last.q, to: next.q });
                 sheets::order(&mut path, cover);
                 paths.extend(path);
@@ -254,6 +263,19 @@ fn beyond(continuation: &Continuation, direction: f64, paths: &mut Vec<Path>, co
             }
         }
     }
+}
+
+/// A path beyond the end of others that is a part of theirs, which has left the range on its other side and comes back there, and its first state
+/// beyond that end.
+fn from_outside(continuation: &Continuation, end: &State, direction: f64, paths: &[Path]) -> Option<(Path, State)> {
+    let (low, high) = continuation.range;
+    let other_side = if direction > 0.0 { low } else { high };
+    let left = paths.iter().filter(|path| path.points.last().is_some_and(|last| last.value == other_side));
+    left.filter_map(|path| continuation.back_from_outside(path)).find_map(|back| {
+        let path = continuation.walk(&back, direction);
+        let beyond = path.points.iter().find(|state| direction * state.value > direction * end.value)?.clone();
+        Some((path, beyond))
+    })
 }
 
 /// A state (q, p) of the branch.

@@ -224,11 +224,33 @@ impl Spectrum {
 
     /// Im λ of the growing mode that is nearest to the border; 0 where it does not oscillate.
     pub fn border(&self, measure: Measure) -> Option<f64> {
+        Some(self.near_border(measure).first()?.0)
+    }
+
+    /// The frequencies of so many growing modes that are nearest to the border, and how many have each: rising, those that are one but for rounding
+    /// once.
+    pub fn borders(&self, measure: Measure, count: usize) -> Vec<(f64, usize)> {
+        let mut nearest: Vec<(f64, f64)> = self.near_border(measure).into_iter().take(count).collect();
+        nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut borders: Vec<(f64, usize)> = Vec::new();
+        for (omega, size) in nearest {
+            match borders.last_mut() {
+                Some((last, times)) if omega - *last <= SPLIT * size => *times += 1,
+                _ => borders.push((omega, 1)),
+            }
+        }
+        borders
+    }
+
+    /// Im λ and |λ| of growing modes, the nearest to the border first; 0 where they do not oscillate.
+    fn near_border(&self, measure: Measure) -> Vec<(f64, f64)> {
         let measure = if self.of_departures { measure } else { Measure::Fine };
         let lambda = |x: &Complex<f64>| if self.squares { both_roots(*x)[0] } else { *x };
-        let growing = self.values.iter().filter(|x| self.grows(x, measure)).map(lambda);
-        let nearest = growing.min_by(|a, b| a.re.abs().total_cmp(&b.re.abs()))?;
-        Some(if nearest.im.abs() <= SPLIT * nearest.norm() { 0.0 } else { nearest.im.abs() })
+        let growing = self.values.iter().filter(|x| self.grows(x, measure) && x.im >= 0.0);
+        let mut growing: Vec<Complex<f64>> = growing.map(lambda).collect();
+        growing.sort_by(|a, b| a.re.abs().total_cmp(&b.re.abs()));
+        let omega = |x: &Complex<f64>| if x.im.abs() <= SPLIT * x.norm() { 0.0 } else { x.im.abs() };
+        growing.iter().map(|x| (omega(x), x.norm())).collect()
     }
 
     /// True where nothing can have happened on the way to another spectrum: no value has moved by more than a part of

@@ -292,7 +292,7 @@ impl Search<'_> {
         let [growing, away] = if counted(&low) > counted(&high) { [&low, a] } else { [&high, b] };
         let width = (high.state.value - low.state.value).abs();
         let hidden = width.max(self.hidden(growing, away, measure));
-        found.push(Threshold { hidden, ..self.threshold(&low, &high, measure) });
+        found.extend(self.thresholds(&low, &high, measure).map(|threshold| Threshold { hidden, ..threshold }));
         if counted(&high) != counted(b) {
             self.between([None, None], [&high, b], SHALLOW, kept, found);
         }
@@ -314,15 +314,47 @@ impl Search<'_> {
         whole * parts.into_iter().find_map(|part| clear(&part)).unwrap_or(1.0)
     }
 
+    /// The same of each motion that begins or ceases to grow: several that do at one value have frequencies of their own.
+    fn thresholds(&self, a: &Sample, b: &Sample, measure: Measure) -> impl Iterator<Item = Threshold> {
+        let whole = self.threshold(a, b, measure);
+        let more = if a.spectrum.counted(measure) > b.spectrum.counted(measure) { a } else { b };
+        let [below, above] = whole.growing;
+        let mut borders = match whole.crosses {
+            true => more.spectrum.borders(measure, below.abs_diff(above)),
+            false => vec![(whole.omega, below.abs_diff(above))],
+        };
+        if borders.is_empty() {
+            borders.push((whole.omega, below.abs_diff(above)));
+        }
+        if above < below {
+            borders.reverse();
+        }
+        let mut reached = below;
+        let last = borders.len().saturating_sub(1);
+        borders.into_iter().enumerate().map(move |(index, (omega, count))| {
+            let before = reached;
+            reached = match (index == last, above > below) {
+                (true, _) => above,
+                (false, true) => before + count,
+                (false, false) => before - count,
+            };
+            Threshold { omega, kind: ThresholdKind::of(omega), growing: [before, reached], ..whole.clone() }
+        })
+    }
+
     /// Between two states of which stability differs, by this measure.
     fn threshold(&self, a: &Sample, b: &Sample, measure: Measure) -> Threshold {
         let more = if a.spectrum.counted(measure) > b.spectrum.counted(measure) { a } else { b };
         let omega = more.spectrum.border(measure).unwrap_or(0.0);
-        let kind = if omega > 0.0 { ThresholdKind::Flutter } else { ThresholdKind::Divergence };
         let value = 0.5 * (a.state.value + b.state.value);
         let [low, high] = if a.state.value <= b.state.value { [a, b] } else { [b, a] };
         let growing = [low, high].map(|end| end.spectrum.growing(measure));
         let crosses = low.spectrum.unstable(measure) != high.spectrum.unstable(measure);
-        Threshold { omega, crosses, folded: self.path.folded(a.sheet, value), ..Threshold::at(value, kind, growing) }
+        Threshold {
+            omega,
+            crosses,
+            folded: self.path.folded(a.sheet, value),
+            ..Threshold::at(value, ThresholdKind::of(omega), growing)
+        }
     }
 }

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::linear::equilibrium::force_unit;
 use crate::linear::matrices::natural_sizes;
 use crate::linear::{Guess, LinearError, Residual};
-use crate::matrix::{solve_least, solve_least_of_rank};
+use crate::matrix::{solve_least, solve_least_as_measured, solve_least_of_rank};
 use crate::mechanism::dense::{
     constraint_matrix, constraint_rate_jacobian, constraint_slopes, constraint_triples, force_slopes, mass_matrix,
     multiplier_effects, sizes_alike,
@@ -145,7 +145,7 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
         // What rounding leaves of the first is as small as its terms only after a second time.
         for _ in 0..2 {
             let force = DMatrix::from_column_slice(self.n, 1, self.force(&state).as_slice());
-            let Some(lambda) = solve_least_of_rank(&effects, &force, rank) else { break };
+            let Some(lambda) = self.balancing(&effects, q, &force, rank) else { break };
             self.rows.iter().zip(lambda.iter()).for_each(|(row, x)| state.lambda[*row] += x);
         }
         state
@@ -338,7 +338,7 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
         let by_state = self.slopes(state).abs() * &sizes;
         let carried = state.lambda.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let effects = self.effects(state);
-        let passed_on = self.passed_on(&self.telling_effects(state)) * by_state.rows(0, n);
+        let passed_on = self.passed_on(state) * by_state.rows(0, n);
         let jacobian = self.jacobian(state).abs();
         let triples = self.triples(state);
         let by_place = &jacobian * sizes.rows(0, n);
@@ -388,7 +388,7 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
     /// Multipliers of the rows in force, 0 where no more is left than rounding of forces makes.
     pub fn multipliers(&self, state: &State) -> Vec<f64> {
         let effects = self.telling_effects(state);
-        let inverse = solve_least(&effects, &DMatrix::identity(self.n, self.n));
+        let inverse = self.balancing(&effects, &state.q, &DMatrix::identity(self.n, self.n), usize::MAX);
         let rounding = inverse.map(|inverse| inverse.abs() * self.terms(state).by_state * ROUNDINGS * f64::EPSILON);
         let of = |(k, row): (usize, &usize)| {
             let lambda = state.lambda[*row];
@@ -398,9 +398,21 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
     }
 
     /// |E E⁺|: what multipliers, which balance as much as they can, make of the rounding of one force in others.
-    fn passed_on(&self, effects: &DMatrix<f64>) -> DMatrix<f64> {
-        let inverse = solve_least(effects, &DMatrix::identity(self.n, self.n));
+    fn passed_on(&self, state: &State) -> DMatrix<f64> {
+        let effects = self.telling_effects(state);
+        let inverse = self.balancing(&effects, &state.q, &DMatrix::identity(self.n, self.n), usize::MAX);
         inverse.map_or_else(|| DMatrix::zeros(self.n, self.n), |inverse| (effects * inverse).abs())
+    }
+
+    /// Multipliers of no more independent rows than this that leave the least of forces, as these act along their coordinates' sizes: what
+    /// a row that a multiplier hardly enters is wrong by would otherwise be as much as all that the multiplier balances.  Of rows that depend on
+    /// each other, multipliers of which may be as large as one likes, each force counts for itself.
+    fn balancing(&self, effects: &DMatrix<f64>, q: &[f64], forces: &DMatrix<f64>, rank: usize) -> Option<DMatrix<f64>> {
+        if self.rank() < self.rows.len() {
+            return solve_least_of_rank(effects, forces, rank);
+        }
+        let sizes = DMatrix::from_diagonal(&DVector::from_vec(natural_sizes(&self.units(), q)));
+        solve_least_as_measured(&(&sizes * effects), &(&sizes * forces), rank)
     }
 
     /// The first equation that a state does not satisfy to this part of its terms: a coordinate's, or behind those a row's.
