@@ -344,3 +344,14 @@ fn of_two_motions_that_begin_to_grow_at_once_one_was_told() {
     let one = of("1");
     assert!(one.len() == 1 && near(one[0].0, 1.0) && one[0].1 == serde_json::json!([0, 2]), "{one:?}");
 }
+
+/// The same imperfection where y = x: the multiplier carries what is left of x alone, and has no terms of its own.
+#[test]
+fn rounding_of_what_a_multiplier_carries_was_told_as_no_equilibrium() {
+    let text = "name: T\nparameters: {p: 0}\ncoordinates: {x: 1, y: 1}\nkinetic_energy: x'^2/2 + y'^2/2\n\
+        constraints: {rod: y - x}\npotential_energy: \"(1-p)*x^2/2 + x^4/4 - 1e-8*x\"\n\
+        equilibrium: {x: 0, y: 0}\nscene: {start: {x: 0, y: 0}, until: 1}\n";
+    let found = file_varied("carried", text, &["--vary", "p=0..3"]);
+    expect(&found, &[]);
+    assert_eq!([count(&found, "changes"), count(&found, "missing")], [0, 0], "{found}");
+}

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::linear::equilibrium::force_unit;
 use crate::linear::matrices::natural_sizes;
 use crate::linear::{Guess, LinearError, Residual};
-use crate::matrix::{solve_least, solve_least_as_measured, solve_least_of_rank};
+use crate::matrix::{solve_least_as_measured, solve_least_of_rank};
 use crate::mechanism::dense::{
     constraint_matrix, constraint_rate_jacobian, constraint_slopes, constraint_triples, force_slopes, mass_matrix,
     multiplier_effects, sizes_alike,
@@ -44,7 +44,7 @@ pub(super) struct ConstrainedState<'a, S: System + ?Sized> {
 pub(super) struct Terms {
     /// Σ |terms| of forces.
     pub forces: DVector<f64>,
-    /// Of places, speeds and multipliers, through the slopes of forces, and what multipliers pass on of these.
+    /// Of places, speeds and multipliers, through the slopes of forces, and what multipliers pass on of these and of forces.
     pub by_state: DVector<f64>,
     /// Of c.
     pub places: DVector<f64>,
@@ -338,7 +338,9 @@ impl<'a, S: System + ?Sized> ConstrainedState<'a, S> {
         let by_state = self.slopes(state).abs() * &sizes;
         let carried = state.lambda.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let effects = self.effects(state);
-        let passed_on = self.passed_on(state) * by_state.rows(0, n);
+        // Of rows that depend on each other multipliers, and with them terms, may be as large as one likes.
+        let own = if self.rank() < self.rows.len() { DVector::zeros(n) } else { forces.clone() };
+        let passed_on = self.passed_on(state) * (by_state.rows(0, n) + own);
         let jacobian = self.jacobian(state).abs();
         let triples = self.triples(state);
         let by_place = &jacobian * sizes.rows(0, n);
