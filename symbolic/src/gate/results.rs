@@ -4,10 +4,10 @@
 //! bodies do, if nothing acts there but loads and named reactions.  Which other reactions there may be follows from the
 //! motions that the file admits: reactions do no work on them, and so they lie in a space S of forces and moments on all
 //! bodies, Vᵀ f = Jᵀ μ with the velocities V q' of all bodies and constraints J q' = 0.  Where the named reactions span S there
-//! is no room for another one, and a reaction that is independent of the others has one value.  Supports that nobody named may fill the
-//! room first: on a body alone, where it cannot move, as the pin of a pendulum.  Where there is room all the same (a guide that nobody
-//! named), nothing is said: the guide might take anything.  Directions that share no coordinate, constraint or reaction are judged one by
-//! one.
+//! is no room for another one, and a reaction that is independent of the others has one value.  Where they do not (a guide
+//! that nobody named), nothing is said: the guide might take anything.  Directions that share no coordinate, constraint or
+//! reaction are judged one by one.  What nothing moves in a direction is supported there, by bearings that need no name, beside directions that
+//! move; where a named reaction acts in such directions alone it is judged unless a pin or rod that nobody named may push there too.
 
 use super::Gate;
 use super::motion::{Motion, blocks};
@@ -171,14 +171,25 @@ fn by_bodies(
     let pushed: Vec<usize> = model.loads.iter().flat_map(|load| &load.pushes).filter_map(|push| push.body).collect();
     let doubled = model.loads.iter().flat_map(Load::expressions).collect::<Vec<_>>();
     let rubs = model.graph.symbols(doubled).iter().any(|s| matches!(s, Symbol::Multiplier(_)));
-    for part in parts(motion, &velocities, (bodies, count)) {
-        if part.reactions.is_empty() || part.directions.len() > DIRECTIONS {
-            continue;
-        }
-        let seen: Vec<Option<Seen>> =
-            (0..states.len()).map(|k| Seen::new(&part, &velocities, motion, (&balances[k], &states[k]))).collect();
-        // A guide that shows at some states only is there at all of them.
-        if seen.iter().flatten().any(|seen| seen.has_room(part.directions.len()) == Some(true)) {
+    let parts = parts(motion, &velocities, (bodies, count));
+    let seen_of = |part: &Part| -> Vec<Option<Seen>> {
+        let at = |k: usize| Seen::new(part, &velocities, motion, (&balances[k], &states[k]), judged);
+        (0..states.len()).map(at).collect()
+    };
+    // A guide that shows at some states only is there at all of them.
+    let has_room = |part: &Part, seen: &[Option<Seen>]| {
+        seen.iter().flatten().any(|seen| seen.has_room(part.directions.len()) == Some(true))
+    };
+    let is_pushed = |part: &Part| {
+        let links = Links::new(model, &velocities, states);
+        let open = |other: &Part| other.directions.len() > DIRECTIONS || has_room(other, &seen_of(other));
+        let others = parts.iter().filter(|other| other.directions != part.directions);
+        others.filter(|other| links.between(part, other)).any(open)
+    };
+    for part in parts.iter().filter(|part| !part.reactions.is_empty() && part.directions.len() <= DIRECTIONS) {
+        let seen = seen_of(part);
+        let judges = judged == Judged::ThatHold;
+        if has_room(part, &seen) || judges && part.coordinates.is_empty() && is_pushed(part) {
             continue;
         }
         for (place, component) in part.reactions.iter().enumerate() {
@@ -186,7 +197,7 @@ fn by_bodies(
             let whole = |other: &usize| of.as_ref().is_some_and(|(_, _, all)| all.contains(&part.reactions[*other]));
             let one = if rubs { vec![place] } else { (0..part.reactions.len()).filter(whole).collect() };
             let works = |seen: &Seen| {
-                let together = !seen.acts_on(&one, &pushed, (&part, &velocities));
+                let together = !seen.acts_on(&one, &pushed, (part, &velocities));
                 seen.does_no_work(&one, together) == Some(false)
             };
             // What works at some states only works at all of them.
@@ -194,7 +205,7 @@ fn by_bodies(
                 continue;
             }
             for (k, seen) in seen.iter().enumerate() {
-                let value = |seen: &Seen| seen.value(place, &part, &balances[k], (&states[k].a, &own[k]));
+                let value = |seen: &Seen| seen.value(place, part, &balances[k], (&states[k].a, &own[k]));
                 told[*component][k] = seen.as_ref().and_then(value);
             }
         }
@@ -233,6 +244,76 @@ impl Velocities {
         entries.extend(slopes(&mut model.graph, &spun, speed));
         let tape = Tape::new(&model.graph, &entries.iter().map(|e| e.2).collect::<Vec<_>>());
         Velocities { places: entries.iter().map(|e| (e.0, e.1)).collect(), tape, owners }
+    }
+
+    /// Whether some coordinate moves a body in a direction.
+    fn moves(&self, direction: usize) -> bool {
+        self.places.iter().any(|(d, _)| *d == direction)
+    }
+}
+
+/// Which bodies may push each other in a direction in which one of them does not move.
+struct Links<'a> {
+    velocities: &'a Velocities,
+    /// Of each direction which component of its body's place it is; nothing for turns.
+    axes: Vec<Option<usize>>,
+    /// Whether each body turns.
+    turns: Vec<bool>,
+    /// Pairs of bodies whose distance stays, at every state.
+    rods: Vec<(usize, usize)>,
+}
+
+impl<'a> Links<'a> {
+    fn new(model: &Model, velocities: &'a Velocities, states: &[State]) -> Links<'a> {
+        let turns: Vec<bool> = model.bodies.iter().map(|body| body.rotation.is_some()).collect();
+        let axis = |d: usize| {
+            let first = velocities.owners.iter().position(|owner| *owner == velocities.owners[d])?;
+            Some(d - first).filter(|axis| *axis < model.bodies[velocities.owners[d]].position.len())
+        };
+        let axes: Vec<Option<usize>> = (0..velocities.owners.len()).map(axis).collect();
+        let pairs = (0..turns.len()).flat_map(|b| (0..b).map(move |c| (b, c)));
+        let mut rods: Vec<(usize, usize)> = pairs.filter(|(b, c)| !turns[*b] && !turns[*c]).collect();
+        // Constraints may keep any distance.
+        if model.constraints.is_empty() {
+            let places: Vec<Id> = model.bodies.iter().flat_map(|body| body.position.iter().copied()).collect();
+            let (tape, dimension) = (Tape::new(&model.graph, &places), places.len() / turns.len().max(1));
+            for state in states {
+                let at = tape.evaluate(|s| state.value(s));
+                let mut slopes = vec![vec![DoubleDouble::ZERO; model.coordinates.len()]; places.len()];
+                for ((d, i), slope) in velocities.places.iter().zip(velocities.tape.evaluate(|s| state.value(s))) {
+                    if let Some(axis) = axes[*d] {
+                        slopes[dimension * velocities.owners[*d] + axis][*i] = slope;
+                    }
+                }
+                rods.retain(|(b, c)| {
+                    (0..model.coordinates.len()).all(|i| {
+                        let terms = (0..dimension).map(|axis| {
+                            let [b, c] = [b, c].map(|body| dimension * body + axis);
+                            (at[b] - at[c]) * (slopes[b][i] - slopes[c][i])
+                        });
+                        let (sum, size) = terms.fold((DoubleDouble::ZERO, 0.0), |(sum, size), term| {
+                            (sum + term, size + term.abs().to_f64())
+                        });
+                        sum.abs().to_f64() <= SAME * size
+                    })
+                });
+            }
+        }
+        Links { velocities, axes, turns, rods }
+    }
+
+    /// Whether a body of one part, which nothing moves there, and another body, of the other part, may do so: pins push bodies that turn anyhow, rods
+    /// push two that stay at their distance, and two that both do not move in the direction touch.
+    fn between(&self, part: &Part, other: &Part) -> bool {
+        let owners = &self.velocities.owners;
+        part.directions.iter().any(|d| {
+            other.directions.iter().any(|e| {
+                let (b, c) = (owners[*d], owners[*e]);
+                let rod = self.rods.contains(&(b.max(c), b.min(c)));
+                let touch = self.axes[*d] == self.axes[*e] && !self.velocities.moves(*e);
+                b != c && (self.turns[b] || self.turns[c] || rod || touch)
+            })
+        })
     }
 }
 
@@ -291,6 +372,7 @@ impl Seen {
         velocities: &Velocities,
         motion: &Motion,
         (balances, state): (&Assembled, &State),
+        judged: Judged,
     ) -> Option<Seen> {
         let n = motion.n;
         let entries = velocities.tape.evaluate(|s| state.measured(s));
@@ -316,12 +398,12 @@ impl Seen {
         let plain = |x: &Measured| if x.vanishes(super::ROUNDINGS) { DoubleDouble::ZERO } else { x.value };
         let named: Columns = measured.iter().map(|column| column.iter().map(plain).collect()).collect();
         let sizes = measured.iter().map(|column| column.iter().map(|x| x.magnitude).collect()).collect();
-        let mut seen = Seen { ideal, named, sizes, supports: Vec::new() };
-        let length = part.directions.len();
-        if seen.has_room(length)? {
-            seen.supports = supports(part, velocities, &moves, &seen.named)?;
-        }
-        Some(seen)
+        let supports = match judged {
+            Judged::All => supports(part, velocities, &moves, &named)?,
+            Judged::ThatHold if part.coordinates.is_empty() => Vec::new(),
+            Judged::ThatHold => bearings(part, velocities),
+        };
+        Some(Seen { ideal, named, sizes, supports })
     }
 
     /// All reactions, named or not.
@@ -385,6 +467,17 @@ impl Seen {
         });
         found.min_by(|x, y| x.magnitude.total_cmp(&y.magnitude))
     }
+}
+
+/// Forces and moments in the directions of a part in which nothing moves.
+fn bearings(part: &Part, velocities: &Velocities) -> Columns {
+    let still = part.directions.iter().enumerate().filter(|(_, d)| !velocities.moves(**d));
+    let unit = |at: usize| {
+        let mut column = vec![DoubleDouble::ZERO; part.directions.len()];
+        column[at] = DoubleDouble::ONE;
+        column
+    };
+    still.map(|(at, _)| unit(at)).collect()
 }
 
 /// Forces and moments on one body each along which it does not move, where those of a body are not among the named ones.

@@ -295,10 +295,59 @@ balances:
 }
 
 #[test]
-fn the_pin_about_which_moments_are_formed_need_not_be_named() {
-    accepted(&bead("m*(s*th'' + 2*s'*th') + m*g*cos(th)"));
-    assert_eq!(alone(&bead("m*(s*th'' + 2*s'*th') + m*g*cos(th)")), [""; 0]);
-    refused(&bead("m*(s*th'' + s'*th') + m*g*cos(th)"), "`N` is");
+fn what_a_pin_that_is_not_named_may_take_is_named() {
+    for normal in ["m*(s*th'' + 2*s'*th') + m*g*cos(th)", "m*(s*th'' + s'*th') + m*g*cos(th)"] {
+        assert_eq!(alone(&bead(normal)), ["`N` rests on balance 3 (equation) alone"]);
+    }
+}
+
+/// What pins, rods and other bodies that nobody named push across the way is in no force balance that could be formed.
+#[test]
+fn guides_that_bear_more_than_their_own_body_are_accepted() {
+    let crank = "
+name: T
+parameters: {m: 1 kg, r: 0.3 m, L: 1 m, g: 10 m/s^2, T: 2 N*m}
+coordinates: {a: rad}
+define: {b: asin(r*sin(a)/L), W: \"[0, -m*g]\"}
+points: {A: \"r*[cos(a), sin(a)]\", B: \"[r*cos(a) + L*cos(b), 0]\"}
+bodies:
+  crank: {mass: m, inertia: m*r^2/12, angle: a, position: A/2}
+  rod: {mass: m, inertia: m*L^2/12, angle: -b, position: (A + B)/2}
+  slider: {mass: m, position: B}
+gravity: [0, -g]
+torques: {t: {on: crank, torque: T}}
+balances:
+  equations:
+    - power: {of: all}
+    - equation: \"N*(r*cos(a) + L*cos(b)) = cross(A/2, m*acceleration(crank) - W) + m*r^2/12*a'' + cross((A + B)/2, m*acceleration(rod) - W) - m*L^2/12*rate(rate(b)) + cross(B, m*acceleration(slider) - W) - T\"
+  reactions: {N: {on: slider, along: \"[0, 1]\"}}
+scene: {start: {a: 0.3, a': 1}, until: 1}
+";
+    let cart = "
+name: T
+parameters: {M: 2 kg, m: 1 kg, l: 1 m, g: 10 m/s^2}
+coordinates: {x: m, th: rad}
+bodies: {cart: {mass: M, position: \"[x, 0]\"}, bob: {mass: m, position: \"[x + l*sin(th), -l*cos(th)]\"}}
+gravity: [0, -g]
+balances:
+  equations:
+    - force: {of: all, along: \"[1, 0]\"}
+    - equation: \"l*th'' + x''*cos(th) + g*sin(th) = 0\"
+    - equation: \"N = (M + m)*g + m*dot(acceleration(bob), [0, 1])\"
+  reactions: {N: {on: cart, along: \"[0, 1]\"}}
+";
+    let stack = "
+name: T
+parameters: {M: 2 kg, m: 1 kg, h: 1 m, g: 10 m/s^2}
+coordinates: {x: m, z: m}
+bodies: {low: {mass: M, position: \"[x, 0]\"}, high: {mass: m, position: \"[z, h]\"}}
+gravity: [0, -g]
+balances: {equations: [{equation: \"M*x'' = 0\"}, {equation: \"m*z'' = 0\"}, {equation: \"N = (M + m)*g\"}], reactions: {N: {on: low, along: \"[0, 1]\"}}}
+";
+    for text in [crank, cart, stack] {
+        accepted(text);
+        assert_eq!(alone(text).len(), 1, "{text}");
+    }
 }
 
 /// Two wheels on fixed axles that nobody names, with what the force between their teeth is said to be.
