@@ -5,6 +5,8 @@ use nalgebra::{DMatrix, DVector};
 use crate::linear::equilibrium::force_unit;
 use crate::linear::matrices::natural_sizes;
 use crate::linear::{Guess, LinearError, Residual};
+#[cfg(feature = "modal")]
+use crate::matrix::solve_least;
 use crate::matrix::{solve_least_as_measured, solve_least_of_rank};
 use crate::mechanism::dense::{
     constraint_matrix, constraint_rate_jacobian, constraint_slopes, constraint_triples, force_slopes, mass_matrix,
