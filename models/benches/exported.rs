@@ -1,6 +1,6 @@
 //! Nanoseconds per evaluation of accelerations: the generated Rust beside what `export --c` writes, built by the C compiler at hand.
 //!
-//! `cargo bench -p dalembert-models --features compiled --bench exported`.  Both run in turns, in processes of their own, each call depends on the last,
+//! `cargo bench -p dalembert-models --features compiled --bench exported`.  Both are optimised as a whole (`lto`, `-flto`) and run in turns, in processes of their own, each call depends on the last,
 //! and medians are compared, since the machine may be shared.
 
 use std::error::Error;
@@ -61,7 +61,7 @@ fn build(name: &str, size: Option<&str>, coordinates: usize, folder: &Path) -> O
             .replace("CALLS", &CALLS.to_string()),
     )?;
     let sources = [main, folder.join(format!("{name}.c")), folder.join("dalembert_core.c")];
-    let built = Command::new("cc").args(["-O3", "-o"]).arg(&program).args(sources).arg("-lm").status()?;
+    let built = Command::new("cc").args(["-O3", "-flto", "-o"]).arg(&program).args(sources).arg("-lm").status()?;
     if built.success() { Ok(program) } else { Err(format!("cc: {built}").into()) }
 }
 
