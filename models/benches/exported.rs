@@ -1,7 +1,7 @@
 //! Nanoseconds per evaluation of accelerations: the generated Rust beside what `export --c` writes, built by the C compiler at hand.
 //!
-//! `cargo bench -p dalembert-models --features compiled --bench exported`.  Both are optimised as a whole (`lto`, `-flto`) and run in turns, in processes of their own, each call depends on the last,
-//! and medians are compared, since the machine may be shared.
+//! `cargo bench -p dalembert-models --features compiled --bench exported`.  Both are optimised as a whole (`lto`, `-flto`) and run in turns, in
+//! processes of their own, each call depends on the last, and medians are compared, since the machine may be shared.
 
 use std::error::Error;
 use std::fs;
