@@ -50,6 +50,7 @@ mod impacts;
 mod impulses;
 mod inputs;
 mod lines;
+mod links;
 mod locks;
 mod motion;
 mod narrow_pairs;

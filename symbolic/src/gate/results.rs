@@ -10,6 +10,7 @@
 //! move; where a named reaction acts in such directions alone it is judged unless a pin or rod that nobody named may push there too.
 
 use super::Gate;
+use super::links::Links;
 use super::motion::{Motion, blocks};
 use super::null::{Columns, contains, null_space, rank};
 use super::state::{State, describe};
@@ -28,7 +29,7 @@ const DIRECTIONS: usize = 60;
 
 /// What differs by no more than this of its terms is equal: null spaces of plain matrices have some twenty digits, and a
 /// printed number shows nine.
-const SAME: f64 = 1e-13;
+pub(super) const SAME: f64 = 1e-13;
 
 /// A reaction component at every state, where it is determined.
 pub(super) type Values = Vec<Option<Measured>>;
@@ -184,7 +185,7 @@ fn by_bodies(
         let links = Links::new(model, &velocities, states);
         let open = |other: &Part| other.directions.len() > DIRECTIONS || has_room(other, &seen_of(other));
         let others = parts.iter().filter(|other| other.directions != part.directions);
-        others.filter(|other| links.between(part, other)).any(open)
+        others.filter(|other| links.between(&part.directions, &other.directions)).any(open)
     };
     for part in parts.iter().filter(|part| !part.reactions.is_empty() && part.directions.len() <= DIRECTIONS) {
         let seen = seen_of(part);
@@ -214,11 +215,11 @@ fn by_bodies(
 }
 
 /// Velocities of all bodies by the speeds: of each its centre of mass, and how fast it turns.
-struct Velocities {
-    places: Vec<(usize, usize)>,
-    tape: Tape,
+pub(super) struct Velocities {
+    pub places: Vec<(usize, usize)>,
+    pub tape: Tape,
     /// The body of each.
-    owners: Vec<usize>,
+    pub owners: Vec<usize>,
 }
 
 impl Velocities {
@@ -247,73 +248,8 @@ impl Velocities {
     }
 
     /// Whether some coordinate moves a body in a direction.
-    fn moves(&self, direction: usize) -> bool {
+    pub fn moves(&self, direction: usize) -> bool {
         self.places.iter().any(|(d, _)| *d == direction)
-    }
-}
-
-/// Which bodies may push each other in a direction in which one of them does not move.
-struct Links<'a> {
-    velocities: &'a Velocities,
-    /// Of each direction which component of its body's place it is; nothing for turns.
-    axes: Vec<Option<usize>>,
-    /// Whether each body turns.
-    turns: Vec<bool>,
-    /// Pairs of bodies whose distance stays, at every state.
-    rods: Vec<(usize, usize)>,
-}
-
-impl<'a> Links<'a> {
-    fn new(model: &Model, velocities: &'a Velocities, states: &[State]) -> Links<'a> {
-        let turns: Vec<bool> = model.bodies.iter().map(|body| body.rotation.is_some()).collect();
-        let axis = |d: usize| {
-            let first = velocities.owners.iter().position(|owner| *owner == velocities.owners[d])?;
-            Some(d - first).filter(|axis| *axis < model.bodies[velocities.owners[d]].position.len())
-        };
-        let axes: Vec<Option<usize>> = (0..velocities.owners.len()).map(axis).collect();
-        let pairs = (0..turns.len()).flat_map(|b| (0..b).map(move |c| (b, c)));
-        let mut rods: Vec<(usize, usize)> = pairs.filter(|(b, c)| !turns[*b] && !turns[*c]).collect();
-        // Constraints may keep any distance.
-        if model.constraints.is_empty() {
-            let places: Vec<Id> = model.bodies.iter().flat_map(|body| body.position.iter().copied()).collect();
-            let (tape, dimension) = (Tape::new(&model.graph, &places), places.len() / turns.len().max(1));
-            for state in states {
-                let at = tape.evaluate(|s| state.value(s));
-                let mut slopes = vec![vec![DoubleDouble::ZERO; model.coordinates.len()]; places.len()];
-                for ((d, i), slope) in velocities.places.iter().zip(velocities.tape.evaluate(|s| state.value(s))) {
-                    if let Some(axis) = axes[*d] {
-                        slopes[dimension * velocities.owners[*d] + axis][*i] = slope;
-                    }
-                }
-                rods.retain(|(b, c)| {
-                    (0..model.coordinates.len()).all(|i| {
-                        let terms = (0..dimension).map(|axis| {
-                            let [b, c] = [b, c].map(|body| dimension * body + axis);
-                            (at[b] - at[c]) * (slopes[b][i] - slopes[c][i])
-                        });
-                        let (sum, size) = terms.fold((DoubleDouble::ZERO, 0.0), |(sum, size), term| {
-                            (sum + term, size + term.abs().to_f64())
-                        });
-                        sum.abs().to_f64() <= SAME * size
-                    })
-                });
-            }
-        }
-        Links { velocities, axes, turns, rods }
-    }
-
-    /// Whether a body of one part, which nothing moves there, and another body, of the other part, may do so: pins push bodies that turn anyhow, rods
-    /// push two that stay at their distance, and two that both do not move in the direction touch.
-    fn between(&self, part: &Part, other: &Part) -> bool {
-        let owners = &self.velocities.owners;
-        part.directions.iter().any(|d| {
-            other.directions.iter().any(|e| {
-                let (b, c) = (owners[*d], owners[*e]);
-                let rod = self.rods.contains(&(b.max(c), b.min(c)));
-                let touch = self.axes[*d] == self.axes[*e] && !self.velocities.moves(*e);
-                b != c && (self.turns[b] || self.turns[c] || rod || touch)
-            })
-        })
     }
 }
 

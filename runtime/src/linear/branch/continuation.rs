@@ -44,7 +44,8 @@ const BALANCED: f64 = 1e-11;
 /// How far apart, in the coordinates' extents and the range, states on both sides of a crossing of branches are looked at: nearer, what
 /// rounding makes of them, ε by this, may lead from one branch to the other.
 const BESIDE: f64 = 1e-6;
-/// Differences of steps one of which is so many times the other are slopes where they agree but for this part.
+/// Differences of steps one of which is so many times the other are slopes where they agree but for this part: the error of a difference falls with
+/// the square of its step, so that it is a fifteenth of that part, and a slope only steers.
 const FINER: f64 = 4.0;
 const AGREES: f64 = 0.125;
 /// What the equations' own rounding may leave, as such parts.
